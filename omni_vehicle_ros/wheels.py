@@ -1,0 +1,25 @@
+"""The four wheels: their names and their order, the same everywhere."""
+
+from typing import Callable, Literal, Tuple, TypeVar
+
+PerWheel = Tuple[float, float, float, float]
+WheelName = Literal['front_left', 'front_right', 'rear_left', 'rear_right']
+
+WHEELS: Tuple[WheelName, ...] = ('front_left', 'front_right', 'rear_left', 'rear_right')
+
+T = TypeVar('T')
+
+
+def per_wheel(function: Callable[[int], T]) -> Tuple[T, T, T, T]:
+    """Return ``function(i)`` for the wheels i = 0..3 (front left, front right, rear left, rear right)."""
+    return function(0), function(1), function(2), function(3)
+
+
+def steer_joint(wheel: str) -> str:
+    """Name the joint that turns a wheel about the vertical axis."""
+    return f'{wheel}_steer'
+
+
+def drive_joint(wheel: str) -> str:
+    """Name the joint that spins a wheel about its axle."""
+    return f'{wheel}_drive'
