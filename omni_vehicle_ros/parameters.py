@@ -205,8 +205,8 @@ class SteeringParameters(Parameters):
     )
     command_timeout: float = parameter(0.5, 'Age at which a driver command is stale: speed ramps to 0, angles hold; 0: never.', unit='s', low=0.0, high=60.0)
     alignment_slowdown: bool = parameter(True, 'Slow down while the wheels do not yet point where they should.')
-    speed_gain: float = parameter(0.5, 'Proportional gain of the speed controller, times the mass.', unit='1/s', low=0.0, high=20.0)
-    speed_integral_gain: float = parameter(0.2, 'Integral gain of the speed controller, times the mass.', unit='1/s2', low=0.0, high=20.0)
+    speed_gain: float = parameter(2.0, 'Proportional gain of the speed controller, times the mass.', unit='1/s', low=0.0, high=20.0)
+    speed_integral_gain: float = parameter(1.0, 'Integral gain of the speed controller, times the mass.', unit='1/s2', low=0.0, high=20.0)
     drive_shares: PerWheel = parameter((0.25, 0.25, 0.25, 0.25), 'Share of each wheel in traction; they sum to 1.', low=0.0, high=1.0)
     maximum_drive_force: float = parameter(3000.0, 'Largest traction or brake force of one wheel.', unit='N', low=0.0, high=1e5)
 
@@ -229,7 +229,7 @@ class WheelModuleParameters(Parameters):
     drive_time_constant: float = parameter(0.05, 'Time constant of the drive torque.', unit='s', low=0.001, high=10.0)
     drive_torque_limit: float = parameter(1050.0, 'Largest drive or brake torque.', unit='N m', low=0.0, high=1e5)
     module_timeout: float = parameter(0.1, 'Age of a set-point at which the module holds its angle and brakes its wheel; 0: never.', unit='s', low=0.0, high=60.0)
-    brake_gain: float = parameter(700.0, 'Brake torque per wheel speed when the set-point is stale.', unit='N m s/rad', low=0.0, high=1e5)
+    brake_gain: float = parameter(150.0, 'Brake torque per wheel speed when the set-point is stale.', unit='N m s/rad', low=0.0, high=1e5)
 
 
 @dataclass(frozen=True)

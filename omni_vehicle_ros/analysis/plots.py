@@ -1,0 +1,179 @@
+"""The figures of a report: what each signal did over time, and the path from above."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from omni_vehicle_ros.analysis.path import plot_path
+from omni_vehicle_ros.analysis.signals import Array
+from omni_vehicle_ros.analysis.style import ACCENT, INK, MUTED, SECOND, WHEEL_COLOURS, line
+from omni_vehicle_ros.bags import Bag
+from omni_vehicle_ros.scenarios import Scenario
+from omni_vehicle_ros.wheels import WHEELS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_WIDTH = 5.6
+_ROW = 1.55
+_COMMAND = (0, (4, 2))
+
+
+class Plot(NamedTuple):
+    """A figure with its title and a sentence about what it shows."""
+
+    name: str
+    title: str
+    text: str
+    figure: Figure
+
+
+def draw_plots(bag: Bag, scenario: Scenario) -> list[Plot]:
+    """Draw all figures of a run: first the path from above, then the signals over time.
+
+    Raises
+    ------
+    BagError
+        A topic that the plant publishes is missing.
+    """
+    plots = [_path(bag, scenario)]
+    for draw in (_speed, _side_slip, _steer_angles, _friction_use, _loads, _forces, _body):
+        plots.append(draw(bag))
+    if any(topic in bag.topics for topic in ('environment/bank', 'environment/wind', 'environment/friction')):
+        plots.append(_environment(bag))
+    for plot in plots[1:]:
+        _mark(plot.figure, [command.at for command in scenario.commands if command.at > 0.0])
+    return plots
+
+
+def _path(bag: Bag, scenario: Scenario) -> Plot:
+    x, y = bag['odom'].x, bag['odom'].y
+    margin = 2 * scenario.vehicle.wheelbase
+    height = 7.6 * (np.ptp(y) + margin) / (np.ptp(x) + margin)
+    figure = Figure(figsize=(7.6, float(np.clip(height, 2.4, 8.0))))
+    axes = figure.add_subplot()
+    plot_path(bag, axes, scenario.vehicle)
+    return Plot('path', 'Path from above', 'The vehicle, its steered wheels, and its centre of rotation where it turns most.', figure)
+
+
+def _rows(labels: tuple[str, ...], height: float = _ROW) -> tuple[Figure, list['Axes']]:
+    figure = Figure(figsize=(_WIDTH, 0.6 + height * len(labels)), layout='constrained')
+    grid = figure.subplots(len(labels), 1, sharex=True, squeeze=False)
+    rows = [row[0] for row in grid]
+    for axes, label in zip(rows, labels, strict=True):
+        axes.set_ylabel(label)
+    rows[-1].set_xlabel('time [s]')
+    figure.align_ylabels(rows)
+    return figure, rows
+
+
+def _each_wheel(axes: 'Axes', time: Array, signals: Array) -> None:
+    """Draw a signal of the four wheels, shape (n, 4); rear below front."""
+    for i in (2, 3, 0, 1):
+        line(axes, time, signals[:, i], WHEEL_COLOURS[i])
+    axes.set_xlim(time[0], time[-1])
+
+
+def _mark(figure: Figure, times: list[float]) -> None:
+    for axes in figure.axes:
+        for time in times:
+            axes.axvline(time, color=MUTED, linewidth=0.6, linestyle=(0, (1, 2)), zorder=0)
+
+
+def _speed(bag: Bag) -> Plot:
+    odom = bag['odom']
+    figure, (speed, yaw) = _rows(('speed [m/s]', 'yaw rate [°/s]'))
+    line(speed, odom.stamp, odom.vx, INK, 'forward')
+    line(speed, odom.stamp, odom.vy, SECOND, 'lateral')
+    if 'driver/speed' in bag.topics:
+        said = bag['driver/speed']
+        speed.step(said.stamp, said.vx, where='post', color=ACCENT, linestyle=_COMMAND, linewidth=1.0, label='driver')
+    line(yaw, odom.stamp, np.degrees(odom.yaw_rate), INK)
+    speed.set_xlim(odom.stamp[0], odom.stamp[-1])
+    speed.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncol=3)
+    return Plot('speed', 'Speed and yaw rate', 'Of the centre of gravity, in the frame of the vehicle.', figure)
+
+
+def _side_slip(bag: Bag) -> Plot:
+    slip = bag['tyres/side_slip']
+    figure, (axes,) = _rows(('side slip [°]',), 2.5)
+    _each_wheel(axes, slip.stamp, np.degrees(slip.position))
+    return Plot('side-slip', 'Side slip of the tyres', 'Positive where it makes a force to the left.', figure)
+
+
+def _steer_angles(bag: Bag) -> Plot:
+    joints = bag['joint_states']
+    figure = Figure(figsize=(_WIDTH, 0.6 + 2 * _ROW), layout='constrained')
+    grid = figure.subplots(2, 2, sharex=True, sharey=True)
+    for i, (axes, wheel) in enumerate(zip(grid.flat, WHEELS, strict=True)):
+        line(axes, joints.stamp, np.degrees(joints.position[:, i]), WHEEL_COLOURS[i])
+        if f'{wheel}/command' in bag.topics:
+            command = bag[f'{wheel}/command']
+            line(axes, command.stamp, np.degrees(command.position[:, 0]), INK, linestyle=_COMMAND, linewidth=0.9)
+        axes.set_title(wheel.replace('_', ' '), color=WHEEL_COLOURS[i], fontsize=8.5)
+    grid[0, 0].set_xlim(joints.stamp[0], joints.stamp[-1])
+    figure.supylabel('steer angle [°]', fontsize=9.0, color=INK)
+    for axes in grid[1]:
+        axes.set_xlabel('time [s]')
+    text = 'Colour: what the wheel does. Dashed: what ICR steering asks, without the trim of the side-slip controller.'
+    return Plot('steer-angles', 'Steer angles', text, figure)
+
+
+def _friction_use(bag: Bag) -> Plot:
+    slip = bag['tyres/side_slip']
+    figure, (axes,) = _rows(('friction use',), 2.1)
+    _each_wheel(axes, slip.stamp, slip.effort)
+    axes.axhline(1.0, color=MUTED, linewidth=0.8)
+    axes.set_ylim(0.0, 1.08)
+    return Plot('friction-use', 'Friction use', 'Force in the road plane over friction times load; at 1 the tyre has no more to give.', figure)
+
+
+def _loads(bag: Bag) -> Plot:
+    force = bag['tyres/force']
+    figure, (axes,) = _rows(('load [kN]',), 2.1)
+    _each_wheel(axes, force.stamp, force.forces[:, :, 2] / 1e3)
+    axes.set_ylim(bottom=0.0)
+    return Plot('loads', 'Wheel loads', 'At 0 a wheel lifts off.', figure)
+
+
+def _forces(bag: Bag) -> Plot:
+    force = bag['tyres/force']
+    figure, (lateral, traction) = _rows(('lateral [kN]', 'traction [kN]'))
+    _each_wheel(lateral, force.stamp, force.forces[:, :, 1] / 1e3)
+    _each_wheel(traction, force.stamp, force.forces[:, :, 0] / 1e3)
+    return Plot('forces', 'Tyre forces', 'In the frame of each wheel: to the left, and along it.', figure)
+
+
+def _body(bag: Bag) -> Plot:
+    imu = bag['imu']
+    figure, (acceleration, roll) = _rows(('acceleration [m/s²]', 'roll [°]'))
+    line(acceleration, imu.stamp, imu.ax, ACCENT, 'forward')
+    line(acceleration, imu.stamp, imu.ay, INK, 'lateral')
+    acceleration.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncol=2)
+    line(roll, imu.stamp, np.degrees(imu.roll), INK)
+    acceleration.set_xlim(imu.stamp[0], imu.stamp[-1])
+    return Plot('body', 'Acceleration and roll', 'What an accelerometer in the plane of the road feels; positive roll leans to the right.', figure)
+
+
+def _environment(bag: Bag) -> Plot:
+    end = bag['odom'].stamp[-1]
+    rows: list[tuple[str, str, Callable[[Bag], Array]]] = [
+        ('environment/bank', 'bank [°]', lambda bag: np.degrees(bag['environment/bank'].x)),
+        ('environment/wind', 'wind [m/s]', lambda bag: bag['environment/wind'].y),
+        ('environment/friction', 'friction', lambda bag: bag['environment/friction'].effort),
+    ]
+    there = [row for row in rows if row[0] in bag.topics]
+    figure, grid = _rows(tuple(label for _, label, _ in there), 1.05)
+    for axes, (topic, _, values) in zip(grid, there, strict=True):
+        time = np.append(bag[topic].stamp, end)
+        signal = values(bag)
+        signal = np.concatenate([signal, signal[-1:]])
+        for column, colour in zip(np.atleast_2d(signal.T), WHEEL_COLOURS if signal.ndim > 1 else (INK,), strict=False):
+            axes.step(time, column, where='post', color=colour)
+        low, high = min(0.0, float(np.min(signal))), max(0.0, float(np.max(signal)))
+        room = 0.15 * (high - low) or 1.0
+        axes.set_ylim(low - room * (low < 0.0 or low == high), high + room)
+    grid[0].set_xlim(0.0, end)
+    return Plot('environment', 'Environment', 'Bank and wind are positive where they push to the left.', figure)

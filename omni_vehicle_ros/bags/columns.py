@@ -1,0 +1,120 @@
+"""The messages of one topic as columns: a numpy array for each field of the value."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omni_vehicle_ros.messages import VALUE_TYPES, MessageError
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The messages of one topic.
+
+    Columns are attributes, named as the fields of the value in ``messages``; all have one row a message.
+
+    - ``stamp`` [s] and ``stamp_ns`` (int64); also where the type has no stamp: then it is the log time.
+    - numbers: shape (n,).
+    - arrays of joints, such as ``position``: shape (n, len(names)); NaN where a message doesn't have it.
+    - ``forces``: shape (n, len(names), 3).
+    - texts and what else there is: shape (n,), of objects.
+    """
+
+    topic: str
+    type_name: str
+    names: tuple[str, ...]
+    """All joints named in any message, in the order of their first occurrence."""
+    arrays: Mapping[str, Array]
+    """The columns by name."""
+
+    def __len__(self) -> int:
+        """Return the number of messages."""
+        return len(self.arrays['stamp_ns'])
+
+    def __getattr__(self, name: str) -> Array:
+        """Return a column."""
+        try:
+            return self.__dict__['arrays'][name]  # type: ignore[no-any-return]
+        except KeyError:
+            columns = ', '.join(self.__dict__.get('arrays', ()))
+            raise AttributeError(f'no column {name!r}; there are {columns}', name=name, obj=self) from None
+
+    def __dir__(self) -> Iterator[str]:
+        """List the columns too."""
+        return iter((*super().__dir__(), *self.arrays))
+
+
+def make_columns(topic: str, type_name: str, log_times: Sequence[int], values: Sequence[Any]) -> Columns:
+    """Return the columns of values of one type.
+
+    Parameters
+    ----------
+    topic, type_name
+        What they are.
+    log_times
+        When they were recorded [ns], for each value.
+    values
+        As `messages.decode` gives them.
+
+    Raises
+    ------
+    MessageError
+        A value has neither as many numbers as names, nor none.
+    """
+    hints = get_type_hints(VALUE_TYPES[type_name])
+    fields = {name: [value[place] for value in values] for place, name in enumerate(hints)}
+    named = fields.pop('names', [])
+    names = tuple(dict.fromkeys(name for some in dict.fromkeys(named) for name in some))
+    arrays: dict[str, Array] = {}
+    _add_time(arrays, 'stamp', fields.pop('stamp', log_times))
+    if 'end' in fields:
+        _add_time(arrays, 'end', fields.pop('end'))
+    for name, entries in fields.items():
+        arrays[name] = _MAKERS.get(hints[name], _objects)(entries, named, names)
+    _add_time(arrays, 'log_time', log_times)
+    return Columns(topic, type_name, names, arrays)
+
+
+def _add_time(arrays: dict[str, Array], name: str, times: Sequence[int]) -> None:
+    nanoseconds = np.array(times, dtype=np.int64)
+    arrays[name] = nanoseconds * 1e-9
+    arrays[f'{name}_ns'] = nanoseconds
+
+
+def _numbers(entries: list[Any], named: list[tuple[str, ...]], names: tuple[str, ...]) -> Array:
+    return np.array(entries, dtype=np.float64)
+
+
+def _objects(entries: list[Any], named: list[tuple[str, ...]], names: tuple[str, ...]) -> Array:
+    column = np.empty(len(entries), dtype=object)
+    column[:] = entries
+    return column
+
+
+def _by_name(entries: list[Any], named: list[tuple[str, ...]], names: tuple[str, ...], *shape: int) -> Array:
+    if entries and all(some == names for some in named) and all(len(entry) == len(names) for entry in entries):
+        return np.array(entries, dtype=np.float64).reshape(len(entries), len(names), *shape)
+    column = np.full((len(entries), len(names), *shape), np.nan)
+    places = {name: place for place, name in enumerate(names)}
+    for row, (some, entry) in enumerate(zip(named, entries, strict=True)):
+        if len(entry) not in (0, len(some)):
+            raise MessageError(f'message {row} has {len(entry)} numbers for {len(some)} names')
+        for name, number in zip(some, entry, strict=False):
+            column[row, places[name]] = number
+    return column
+
+
+def _triples_by_name(entries: list[Any], named: list[tuple[str, ...]], names: tuple[str, ...]) -> Array:
+    return _by_name(entries, named, names, 3)
+
+
+_MAKERS: dict[Any, Callable[[list[Any], list[tuple[str, ...]], tuple[str, ...]], Array]] = {
+    float: _numbers,
+    tuple[float, ...]: _by_name,
+    tuple[tuple[float, float, float], ...]: _triples_by_name,
+}

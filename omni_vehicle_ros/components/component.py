@@ -1,0 +1,84 @@
+"""What all components have in common."""
+
+from typing import NamedTuple, Protocol
+
+from omni_vehicle_ros.messages import (
+    Clock,
+    Diagnostics,
+    Forces,
+    Imu,
+    Joints,
+    Odometry,
+    Point,
+    Status,
+    Step,
+    Twist,
+    Vector,
+    Wrench,
+)
+
+Value = Clock | Diagnostics | Forces | Imu | Joints | Odometry | Point | Step | Twist | Vector | Wrench
+"""What a stamped message says."""
+
+NANOSECONDS = 1_000_000_000
+DIAGNOSTICS_PERIOD = NANOSECONDS
+DIAGNOSTICS_GAP = NANOSECONDS // 10
+
+OK, WARN, ERROR, STALE = 0, 1, 2, 3
+
+
+class Output(NamedTuple):
+    """A message to publish: a topic of the wiring table and a value of its type."""
+
+    topic: str
+    value: Value
+
+
+class Component(Protocol):
+    """A block of the block diagram.
+
+    Attributes
+    ----------
+    name
+        As in :data:`omni_vehicle_ros.interface.NODES`.
+    beat
+        Topic whose stamp opens a control cycle.
+    sources
+        Topics that answer in every cycle, and that the component waits for in lock step.
+    """
+
+    name: str
+    beat: str
+    sources: tuple[str, ...]
+
+    def receive(self, topic: str, value: Value, now: int) -> None:
+        """Take a message that came in at simulated time ``now`` [ns]."""
+
+    def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
+        """Act on the cycle that began at ``stamp`` [ns], of whose sources some may be ``missing``."""
+
+
+class Reporter:
+    """Decides when the health of a component is worth a diagnostic: at a change, and once a second."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._last: Status | None = None
+        self._when = -DIAGNOSTICS_PERIOD
+
+    def report(self, stamp: int, level: int, message: str, values: tuple[tuple[str, str], ...] = ()) -> list[Output]:
+        """Return the message to publish on /diagnostics, or nothing."""
+        status = Status(level, self._name, message, values)
+        last, age = self._last, stamp - self._when
+        changed = last is None or level != last.level or (message != last.message and age >= DIAGNOSTICS_GAP)
+        if not changed and age < DIAGNOSTICS_PERIOD:
+            return []
+        self._last, self._when = status, stamp
+        return [Output('/diagnostics', Diagnostics(stamp, (status,)))]
+
+
+def worst(*healths: tuple[int, str]) -> tuple[int, str]:
+    """Return the highest level, with the messages that have one above OK joined."""
+    level = max(level for level, _ in healths)
+    texts = [text for at, text in healths if at > OK] or [healths[0][1]]
+    return level, '; '.join(texts)

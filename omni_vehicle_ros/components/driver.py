@@ -1,0 +1,39 @@
+"""The driver of a scenario: says what its script says, when it says it."""
+
+from omni_vehicle_ros.components.component import OK, Output, Reporter, Value
+from omni_vehicle_ros.interface import TOPICS
+from omni_vehicle_ros.messages import Step
+from omni_vehicle_ros.scenarios.scenario import Scenario
+from omni_vehicle_ros.scenarios.script import DriverScript
+
+_ORDER = {row.name: number for number, row in enumerate(TOPICS)}
+
+
+class Driver:
+    """Plays a scenario's commands and environment on the stamps of the plant."""
+
+    beat = 'joint_states'
+    sources: tuple[str, ...] = ()
+
+    def __init__(self, scenario: Scenario, *, name: str = '/driver') -> None:
+        self.name = name
+        self.end = scenario.cycles * round(scenario.plant.control_period * 1e9)
+        self._script = DriverScript(scenario)
+        self._period = round(scenario.plant.control_period * 1e9)
+        self._next_cycle = 0
+        self._reporter = Reporter(name)
+
+    def receive(self, topic: str, value: Value, now: int) -> None:
+        """Take the beat; a driver looks at nothing but the time."""
+
+    def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
+        """Return the commands of every cycle up to ``stamp`` [ns] that were not yet said."""
+        cycle = stamp // self._period
+        outputs = self._reporter.report(stamp, OK, 'playing')
+        for passed in range(self._next_cycle, cycle + 1):
+            said = sorted(self._script.messages(passed), key=lambda message: _ORDER[message[0]])
+            outputs += [Output(topic, value) for topic, value in said]
+        self._next_cycle = cycle + 1
+        topics = tuple(output.topic for output in outputs if output.topic != '/diagnostics')
+        outputs.append(Output('driver/step', Step(stamp, self.end, topics)))
+        return outputs

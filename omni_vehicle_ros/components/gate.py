@@ -1,0 +1,79 @@
+"""Decides when a component may act: when all that belongs to the cycle has come in."""
+
+from collections import Counter
+from collections.abc import Iterable
+
+
+class Gate:
+    """The inputs of one component, cycle by cycle.
+
+    A cycle opens with the stamp of the beat. It is complete when every source has answered with that stamp or
+    a later one, and when every message that the driver says it published has come in (`announce`).
+    A source that misses a cycle is lost, and is not waited for again before it answers again.
+
+    Parameters
+    ----------
+    sources
+        Topics that answer in every cycle.
+    """
+
+    def __init__(self, sources: Iterable[str]) -> None:
+        self.lost: set[str] = set()
+        self.skipped = 0
+        self._answered = dict.fromkeys(sources, -1)
+        self._open: int | None = None
+        self._heard: Counter[str] = Counter()
+        self._announced: Counter[str] = Counter()
+
+    def open(self, stamp: int) -> None:
+        """Begin the cycle of ``stamp`` [ns]; one that is still open is skipped and its late sources are lost."""
+        if self._open is not None and stamp > self._open:
+            self.give_up()
+            self.skipped += 1
+        self._open = stamp
+
+    def answer(self, source: str, stamp: int) -> None:
+        """Note that a source has answered for ``stamp`` [ns]."""
+        if source in self._answered and stamp > self._answered[source]:
+            self._answered[source] = stamp
+            self.lost.discard(source)
+
+    def hear(self, topic: str) -> None:
+        """Note a message that may be announced."""
+        self._heard[topic] += 1
+
+    def announce(self, topics: Iterable[str]) -> None:
+        """Note that one message more has been published on each of ``topics``."""
+        self._announced.update(topics)
+
+    def missing(self) -> tuple[str, ...]:
+        """Return the sources that have not answered for the open cycle, lost ones included."""
+        if self._open is None:
+            return ()
+        return tuple(source for source, stamp in self._answered.items() if stamp < self._open)
+
+    def ready(self) -> int | None:
+        """Return the stamp [ns] of the open cycle if it is complete, else None."""
+        if self._open is None:
+            return None
+        for source, stamp in self._answered.items():
+            if stamp < self._open and source not in self.lost:
+                return None
+        for topic, count in self._announced.items():
+            if self._heard[topic] < count:
+                return None
+        return self._open
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a cycle is open."""
+        return self._open is not None
+
+    def close(self) -> None:
+        """End the open cycle: the component has acted."""
+        self._open = None
+
+    def give_up(self) -> None:
+        """Stop waiting for what is not there: it is lost until it answers again."""
+        self.lost.update(self.missing())
+        self._heard, self._announced = Counter(), Counter()

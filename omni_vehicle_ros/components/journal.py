@@ -1,0 +1,88 @@
+"""The order of a recording: by simulated time, then by topic, whatever order messages came in."""
+
+from typing import Protocol
+
+from omni_vehicle_ros import interface
+from omni_vehicle_ros.messages.stamps import stamp_of
+
+SETTLE = 2
+"""Cycles that a message waits for those of the same time."""
+
+FOREIGN = 1_000_000_000
+"""A stamp farther than this from simulated time is of another clock [ns]."""
+
+
+class Writer(Protocol):
+    """What a journal writes to."""
+
+    def add_topic(self, name: str, type_name: str, qos: interface.Qos) -> None:
+        """Announce a topic."""
+
+    def write(self, name: str, data: bytes, log_time: int) -> None:
+        """Write a message."""
+
+
+class Journal:
+    """Writes the topics of one vehicle in a settled order, and counts what is missing of the cyclic ones.
+
+    Parameters
+    ----------
+    writer
+        Where to.
+    namespace
+        Of the vehicle.
+    period
+        Control period [ns].
+    """
+
+    def __init__(self, writer: Writer, namespace: str, period: int) -> None:
+        self.now = 0
+        self.period = period
+        self.written = 0
+        self.lost = 0
+        self._writer = writer
+        rows = [row for row in interface.TOPICS if row.recorded]
+        self._names = [interface.resolve(row.name, namespace) for row in rows]
+        self._index = {row.name: i for i, row in enumerate(rows)}
+        self._cyclic = [row.cyclic for row in rows]
+        self._last: dict[int, int] = {}
+        self._pending: list[tuple[int, int, int, bytes]] = []
+        for row, name in zip(rows, self._names, strict=True):
+            writer.add_topic(name, row.type, row.qos)
+
+    def add(self, topic: str, data: bytes) -> None:
+        """Take a message; the one that begins a cycle also writes what has settled."""
+        index = self._index[topic]
+        stamp = stamp_of(data)
+        if topic == 'joint_states':
+            self.now = max(self.now, stamp)
+            self._write(self.now - SETTLE * self.period)
+        elif abs(stamp - self.now) > FOREIGN or (stamp == 0 and self.now > self.period):
+            stamp = self.now
+        if self._cyclic[index]:
+            self._count(index, stamp)
+        self._pending.append((stamp, index, len(self._pending), data))
+
+    def _count(self, index: int, stamp: int) -> None:
+        last = self._last.get(index, stamp - self.period)
+        self.lost += max((stamp - last) // self.period - 1, 0)
+        self._last[index] = max(stamp, last)
+
+    def complete(self, end: int) -> bool:
+        """Whether every cyclic topic that was heard has come to ``end`` [ns]."""
+        return all(stamp >= end for stamp in self._last.values())
+
+    def flush(self) -> None:
+        """Write all that waits."""
+        self._write(None)
+
+    def _write(self, until: int | None) -> None:
+        """Write what is stamped up to ``until`` [ns], in order."""
+        ready = sorted(entry for entry in self._pending if until is None or entry[0] <= until)
+        if until is not None:
+            self._pending = [entry for entry in self._pending if entry[0] > until]
+        else:
+            self._pending = []
+        for stamp, index, _, data in ready:
+            self._writer.write(self._names[index], data, stamp)
+        self.written += len(ready)

@@ -1,0 +1,75 @@
+"""One wheel module: set-point and trim in, what its actuators do out."""
+
+from omni_vehicle_ros.components.component import OK, WARN, Output, Reporter, Value, worst
+from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
+from omni_vehicle_ros.control.wheel_module import Setpoint
+from omni_vehicle_ros.control.wheel_module import WheelModule as Law
+from omni_vehicle_ros.messages import Joints
+from omni_vehicle_ros.parameters import VehicleParameters, WheelModuleParameters
+from omni_vehicle_ros.wheels import WHEELS
+
+
+class WheelModule:
+    """The controller and the actuators of one wheel.
+
+    Parameters
+    ----------
+    wheel
+        One of the four names.
+    parameters, vehicle
+        The actuators, and the wheel radius.
+    control_period
+        Time from one cycle to the next [s].
+    trimmed
+        Whether a side-slip controller answers in every cycle.
+    """
+
+    beat = 'joint_states'
+
+    def __init__(
+        self,
+        wheel: str,
+        parameters: WheelModuleParameters,
+        vehicle: VehicleParameters,
+        control_period: float,
+        *,
+        trimmed: bool = True,
+        name: str | None = None,
+    ) -> None:
+        self.name = name or f'/{wheel}/wheel_module'
+        self.wheel = wheel
+        command, trim = f'{wheel}/command', f'{wheel}/steer_trim'
+        self.sources: tuple[str, ...] = (command, trim) if trimmed else (command,)
+        self._index = WHEELS.index(wheel)  # type: ignore[arg-type]
+        self._law = Law(parameters, vehicle, control_period)
+        self._wheel_speed = 0.0
+        self._malformed = ''
+        self._reporter = Reporter(self.name)
+
+    def receive(self, topic: str, value: Value, now: int) -> None:
+        """Take the measured joints, a set-point or a trim."""
+        if not isinstance(value, Joints):
+            return
+        if topic == 'joint_states':
+            joints = vehicle_joints(value)
+            if joints is not None:
+                self._wheel_speed = joints.wheel_speed[self._index]
+        elif topic.endswith('/command'):
+            if (len(value.position), len(value.velocity), len(value.effort)) == (2, 2, 2):
+                self._law.command(Setpoint(value.stamp, value.position[0], value.velocity[1], value.effort[1]))
+            else:
+                self._malformed = f'{topic} needs position, velocity and effort of steer and drive; the last one is kept'
+        elif len(value.position) == 1:
+            self._law.trim(value.stamp, value.position[0])
+        else:
+            self._malformed = f'{topic} needs one position; the last one is kept'
+
+    def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
+        """Return what the actuators do from ``stamp`` [ns] to the next cycle."""
+        state = self._law.update(stamp, self._wheel_speed)
+        health = (self._law.status.level, self._law.status.message)
+        malformed, self._malformed = self._malformed, ''
+        outputs = self._reporter.report(stamp, *worst(health, (WARN, malformed) if malformed else (OK, '')))
+        steer, drive = (state.steer_angle, state.steer_rate), (self._wheel_speed, state.drive_torque)
+        outputs.append(Output(f'{self.wheel}/state', module_joints(self.wheel, stamp, steer, drive)))
+        return outputs

@@ -1,0 +1,62 @@
+"""What a person sees in the terminal: a progress bar, and a short table of results."""
+
+import math
+from types import TracebackType
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from omni_vehicle_ros.run import RunResult
+from omni_vehicle_ros.scenarios import Scenario
+from omni_vehicle_ros.wheels import WHEELS
+
+
+class ProgressBar:
+    """Shows how far a run is, in simulated time."""
+
+    def __init__(self, name: str, duration: float) -> None:
+        columns = (TextColumn('{task.description}'), BarColumn(), TextColumn('{task.completed:.1f} of {task.total:.1f} s'), TimeElapsedColumn())
+        self._progress = Progress(*columns, console=Console(stderr=True))
+        self._task = self._progress.add_task(name, total=duration)
+
+    def __enter__(self) -> 'ProgressBar':
+        """Show the bar."""
+        self._progress.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        """Leave the bar as it is."""
+        self._progress.stop()
+
+    def advance(self, time: float) -> None:
+        """Move the bar to a simulated time [s]."""
+        self._progress.update(self._task, completed=time)
+
+
+def results_table(scenario: Scenario, result: RunResult) -> None:
+    """Print the results of a run, with the paths of its bag and its report."""
+    metrics = result.metrics
+    table = Table('', *(wheel.replace('_', ' ') for wheel in WHEELS), title=f'{scenario.name}: side slip')
+    rows = (
+        ('steady state [deg]', 'steady_state', math.degrees(1.0)),
+        ('peak [deg]', 'peak', math.degrees(1.0)),
+        ('overshoot [%]', 'overshoot', 100.0),
+        ('settling time [s]', 'settling_time', 1.0),
+    )
+    for title, key, factor in rows:
+        table.add_row(title, *(_number(metrics['side_slip'][wheel][key], factor) for wheel in WHEELS))
+    console = Console(soft_wrap=True)
+    console.print(table)
+    x, y, heading = metrics['path']['final']
+    speed = metrics['speed']
+    console.print(f'end at x {x:.2f} m, y {y:.2f} m, heading {math.degrees(heading):.1f} deg; path radius {_number(metrics["path"]["radius"])} m')
+    console.print(f'speed {_number(speed["initial"])} -> {_number(speed["final"])} m/s; yaw rate {_number(metrics["yaw_rate"]["steady_state"])} rad/s')
+    rate = scenario.duration / result.wall_time
+    console.print(f'{result.messages} messages, {result.lost} lost; {scenario.duration:g} s in {result.wall_time:.1f} s, {rate:.1f} x real time')
+    console.print(f'bag     {result.bag}\nreport  {result.report}', highlight=False)
+
+
+def _number(value: Any, factor: float = 1.0) -> str:
+    return '-' if value is None else f'{value * factor:.3g}'

@@ -1,0 +1,162 @@
+"""Actuators of a wheel: time delay, time constant, rate limit and range, each cycle solved exactly."""
+
+import math
+from typing import NamedTuple
+
+from omni_vehicle_ros.control.freshness import NANOSECONDS
+from omni_vehicle_ros.parameters import WheelModuleParameters
+
+
+class SteerMotion(NamedTuple):
+    """What the steering does over the coming cycle.
+
+    Attributes
+    ----------
+    angle
+        Steer angle at its begin [rad].
+    rate
+        Mean steer rate [rad/s].
+    """
+
+    angle: float
+    rate: float
+
+
+def lag_step(value: float, target: float, duration: float, time_constant: float, rate_limit: float) -> float:
+    """Return where a first-order lag with a limited rate is after ``duration``, exactly.
+
+    Parameters
+    ----------
+    value, target
+        Where it is and where it is told to be.
+    duration, time_constant
+        [s], the second one above 0.
+    rate_limit
+        Largest rate, in units of ``value`` per second, above 0.
+    """
+    error = target - value
+    threshold = rate_limit * time_constant
+    if abs(error) > threshold:
+        slewing = (abs(error) - threshold) / rate_limit
+        if duration <= slewing:
+            return value + math.copysign(rate_limit * duration, error)
+        error, duration = math.copysign(threshold, error), duration - slewing
+    return target - error * math.exp(-duration / time_constant)
+
+
+class SteerActuator:
+    """The steering of one wheel.
+
+    Parameters
+    ----------
+    parameters
+        Delay, time constant, rate limit and range.
+    angle
+        Where the wheel points at first [rad].
+
+    Notes
+    -----
+    A set-point counts from the instant that it is given until the next one is; the delay shifts this
+    staircase in time, by any number of cycles and fractions. Between its steps the lag is solved in closed form,
+    so the angle doesn't depend on the control period.
+    """
+
+    def __init__(self, parameters: WheelModuleParameters, angle: float = 0.0) -> None:
+        self._parameters = parameters
+        self._delay = round(parameters.steer_delay * NANOSECONDS)
+        self._angle = angle
+        self._now: int | None = None
+        self._staircase: list[tuple[int, float]] = []
+
+    @property
+    def angle(self) -> float:
+        """Steer angle at the time of the last update [rad]."""
+        return self._angle
+
+    def reach(self, now: int) -> float:
+        """Go on to ``now`` [ns] with the set-points given so far, and return the steer angle there [rad]."""
+        if self._now is None or now < self._now:
+            self._staircase = [(now - self._delay, self._angle)]
+        elif not self._parameters.ideal_actuators:
+            self._angle = self._follow(self._now, now)
+        self._now = now
+        return self._angle
+
+    def update(self, now: int, set_point: float, period: float) -> SteerMotion:
+        """Take a set-point.
+
+        Parameters
+        ----------
+        now
+            The present [ns]; a clock that jumped back starts the delay anew from the present angle.
+        set_point
+            Where the wheel should point [rad]; beyond the range it is clipped.
+        period
+            Time to the next cycle [s].
+        """
+        limit = self._parameters.steer_limit
+        set_point = min(max(set_point, -limit), limit)
+        self.reach(now)
+        if self._parameters.ideal_actuators:
+            self._angle = set_point
+            return SteerMotion(set_point, 0.0)
+        self._remember(now, set_point)
+        ahead = self._follow(now, now + round(period * NANOSECONDS))
+        return SteerMotion(self._angle, (ahead - self._angle) / period)
+
+    def _remember(self, now: int, set_point: float) -> None:
+        steps = self._staircase
+        if steps[-1][0] == now:
+            steps.pop()
+        steps.append((now, set_point))
+        while len(steps) > 1 and steps[1][0] + self._delay <= now:
+            steps.pop(0)
+
+    def _follow(self, begin: int, end: int) -> float:
+        angle = self._angle
+        tau, rate_limit = self._parameters.steer_time_constant, self._parameters.steer_rate_limit
+        for i, (stamp, set_point) in enumerate(self._staircase):
+            start = max(begin, stamp + self._delay)
+            last = i + 1 == len(self._staircase)
+            stop = end if last else min(end, self._staircase[i + 1][0] + self._delay)
+            if stop > start:
+                angle = lag_step(angle, set_point, (stop - start) / NANOSECONDS, tau, rate_limit)
+        return angle
+
+
+class DriveActuator:
+    """The drive and brake of one wheel: a first-order lag of the torque, within a limit.
+
+    Parameters
+    ----------
+    parameters
+        Time constant and limit.
+    """
+
+    def __init__(self, parameters: WheelModuleParameters) -> None:
+        self._parameters = parameters
+        self._torque = 0.0
+
+    def update(self, set_point: float, period: float) -> float:
+        """Take a set-point.
+
+        Parameters
+        ----------
+        set_point
+            Torque [N m]; beyond the limit it is clipped.
+        period
+            Time to the next cycle [s].
+
+        Returns
+        -------
+        float
+            Mean torque over the cycle [N m], so that the angular momentum is the exact one.
+        """
+        limit = self._parameters.drive_torque_limit
+        set_point = min(max(set_point, -limit), limit)
+        if self._parameters.ideal_actuators:
+            return set_point
+        ratio = period / self._parameters.drive_time_constant
+        excess, decay = self._torque - set_point, math.exp(-ratio)
+        self._torque = set_point + excess * decay
+        return set_point + excess * (1.0 - decay) / ratio

@@ -1,0 +1,165 @@
+"""What the driver wants now: the latest valid source wins, and each is watched for its age.
+
+There are three sources: driver/icr with driver/speed, driver/icr with driver/traction, and cmd_vel. The
+speed, the traction or the twist carries the heartbeat. The ICR is latched: it need be said once only, and is
+straight on before.
+"""
+
+from enum import Enum
+from typing import NamedTuple
+
+from omni_vehicle_ros.control.commands import (
+    PointCommand,
+    TractionDemand,
+    TwistCommand,
+    TwistDemand,
+    WrenchCommand,
+    check_cmd_vel,
+    check_icr,
+    check_speed,
+    check_traction,
+)
+from omni_vehicle_ros.control.freshness import CommandMonitor, Freshness
+from omni_vehicle_ros.control.health import ERROR, WARN
+from omni_vehicle_ros.control.motion import STRAIGHT, Motion, magnitude_of_speed
+from omni_vehicle_ros.errors import CommandError
+from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
+
+
+class Source(Enum):
+    """Topic that carries the heartbeat."""
+
+    SPEED = 'driver/speed'
+    TRACTION = 'driver/traction'
+    CMD_VEL = 'cmd_vel'
+
+
+class Demand(NamedTuple):
+    """What the driver wants.
+
+    Attributes
+    ----------
+    motion
+        Direction to turn to; None: stay with the present one.
+    magnitude
+        Signed magnitude of the motion [m/s].
+    traction
+        Open-loop traction in place of the magnitude, if any.
+    """
+
+    motion: Motion | None
+    magnitude: float
+    traction: TractionDemand | None = None
+
+
+class Driver:
+    """Takes the commands of all sources and says what holds.
+
+    Parameters
+    ----------
+    vehicle, steering
+        Geometry; limits and time-out.
+    """
+
+    def __init__(self, vehicle: VehicleParameters, steering: SteeringParameters) -> None:
+        self._vehicle = vehicle
+        self._steering = steering
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew, as if no command had ever come."""
+        self._monitors = {source: CommandMonitor(self._steering.command_timeout) for source in Source}
+        self._source: Source | None = None
+        self._icr: Motion | None = None
+        self._speed = 0.0
+        self._traction = TractionDemand(0.0, 0.0, '')
+        self._twist = TwistDemand(None, 0.0, '')
+        self._refused: dict[str, str] = {}
+        self._clamped: dict[Source, str] = {}
+
+    def icr(self, command: PointCommand, now: int) -> None:
+        """Take an ICR that came in at ``now`` [ns]; a bad one is refused and the last good one kept."""
+        try:
+            self._icr = check_icr(command, self._vehicle, self._steering)
+        except CommandError as error:
+            self._refuse('driver/icr', error)
+        else:
+            self._refused.pop('driver/icr', None)
+
+    def speed(self, command: TwistCommand, now: int) -> None:
+        """Take a speed that came in at ``now`` [ns]; a bad one is refused and the last good one kept."""
+        try:
+            self._speed, warning = check_speed(command, self._steering)
+        except CommandError as error:
+            self._refuse(Source.SPEED.value, error)
+        else:
+            self._accept(Source.SPEED, command.stamp, now, warning)
+
+    def traction(self, command: WrenchCommand, now: int) -> None:
+        """Take a traction that came in at ``now`` [ns]; a bad one is refused and the last good one kept."""
+        try:
+            self._traction = check_traction(command, self._vehicle, self._steering)
+        except CommandError as error:
+            self._refuse(Source.TRACTION.value, error)
+        else:
+            self._accept(Source.TRACTION, command.stamp, now, self._traction.warning)
+
+    def cmd_vel(self, command: TwistCommand, now: int) -> None:
+        """Take a twist that came in at ``now`` [ns]; a bad one is refused and the last good one kept."""
+        try:
+            self._twist = check_cmd_vel(command, self._vehicle, self._steering)
+        except CommandError as error:
+            self._refuse(Source.CMD_VEL.value, error)
+        else:
+            self._accept(Source.CMD_VEL, command.stamp, now, self._twist.warning)
+
+    def demand(self, now: int) -> Demand:
+        """Return what holds at ``now`` [ns].
+
+        Without any source an ICR alone steers, at speed 0. A stale source wants speed 0 and no other angles.
+        """
+        if self._source is None:
+            return Demand(self._icr, 0.0)
+        if self.state(now) is Freshness.STALE:
+            return Demand(None, 0.0)
+        if self._source is Source.CMD_VEL:
+            return Demand(self._twist.motion, self._twist.magnitude)
+        if self._source is Source.TRACTION:
+            return Demand(self._icr or STRAIGHT, 0.0, self._traction)
+        if self._icr is None:
+            return Demand(STRAIGHT if self._speed else None, self._speed)
+        return Demand(self._icr, magnitude_of_speed(self._icr, self._speed))
+
+    def state(self, now: int) -> Freshness:
+        """Return whether the source that holds is fresh at ``now`` [ns]."""
+        return Freshness.NEVER if self._source is None else self._monitors[self._source].state(now)
+
+    @property
+    def source(self) -> str:
+        """Topic of the source that holds; empty if there is none yet."""
+        return '' if self._source is None else self._source.value
+
+    def notes(self, now: int) -> list[tuple[int, str]]:
+        """Return levels and messages of what is wrong at ``now`` [ns]."""
+        notes = [(ERROR, text) for text in self._refused.values()]
+        if self._source is None:
+            return notes
+        source = self._source
+        if self.state(now) is Freshness.STALE:
+            limit = self._steering.command_timeout
+            text = f'{source.value} is older than command_timeout, {limit:g} s: speed goes to 0, steer angles hold'
+            return [*notes, (WARN, text)]
+        if self._clamped.get(source):
+            notes.append((WARN, self._clamped[source]))
+        if self._monitors[source].warning:
+            notes.append((WARN, f'{source.value}: {self._monitors[source].warning}'))
+        return notes
+
+    def _refuse(self, topic: str, error: CommandError) -> None:
+        self._refused[topic] = f'{error}; refused, the last good one holds'
+
+    def _accept(self, source: Source, stamp: int, now: int, warning: str) -> None:
+        self._refused.pop(source.value, None)
+        self._clamped[source] = warning
+        self._monitors[source].received(stamp, now)
+        self._source = source

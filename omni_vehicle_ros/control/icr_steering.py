@@ -1,0 +1,229 @@
+"""ICR steering: from what the driver wants to the set-points of the four wheels."""
+
+import math
+from typing import NamedTuple
+
+from omni_vehicle_ros.control.commands import PointCommand, TractionDemand, TwistCommand, WrenchCommand, steer
+from omni_vehicle_ros.control.driver import Demand, Driver
+from omni_vehicle_ros.control.freshness import NANOSECONDS, Freshness
+from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
+from omni_vehicle_ros.control.motion import STRAIGHT, Motion, nearest, opposite, turn_towards
+from omni_vehicle_ros.control.speed import SpeedController, clipped, measured_magnitude, moment_forces, traction_forces
+from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
+from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
+
+# Actuator lag and side-slip trims are within this of the set-points [rad], and no reason to slow down.
+_ALIGNED = 0.2
+
+# A wheel slower than this share of the fastest is near the ICR: where it points hardly matters.
+_SLOW_WHEEL = 0.05
+
+_LONGEST_STEP = 20
+_ZERO: PerWheel = (0.0, 0.0, 0.0, 0.0)
+
+
+class Setpoints(NamedTuple):
+    """Set-points of the four wheels.
+
+    Attributes
+    ----------
+    steer_angle
+        [rad].
+    wheel_speed
+        [rad/s].
+    torque
+        Drive torque [N m].
+    """
+
+    steer_angle: PerWheel
+    wheel_speed: PerWheel
+    torque: PerWheel
+
+
+class IcrSteering:
+    """Turns driver commands into one rigid motion, and that into set-points; never raises on a command.
+
+    The direction of the motion turns towards the commanded one at a limited rate, and its magnitude follows
+    at a limited acceleration, so in every cycle all wheels share one ICR. Steer angles are held where
+    there is no direction: at zero twist, and before any command those that were measured first. An ICR at
+    speed 0 does steer. A stale command ramps the speed to 0 and holds the angles.
+
+    Parameters
+    ----------
+    vehicle, steering
+        Geometry and mass; limits and gains.
+    control_period
+        Time from one cycle to the next [s].
+    """
+
+    def __init__(self, vehicle: VehicleParameters, steering: SteeringParameters, control_period: float) -> None:
+        self._vehicle = vehicle
+        self._steering = steering
+        self._period = control_period
+        self._driver = Driver(vehicle, steering)
+        self._speed_controller = SpeedController(vehicle, steering)
+        self._measured_angles = self._measured_speeds = _ZERO
+        self._start()
+
+    def _start(self) -> None:
+        self._driver.forget()
+        self._speed_controller.reset()
+        self._now: int | None = None
+        self._motion: Motion | None = None
+        self._magnitude: float | None = None
+        self._angles: PerWheel | None = None
+        self._setpoints = Setpoints(_ZERO, _ZERO, _ZERO)
+        self._notes: list[tuple[int, str]] = []
+
+    def icr(self, command: PointCommand, now: int) -> None:
+        """Take a message of driver/icr that came in at ``now`` [ns]."""
+        self._driver.icr(command, now)
+
+    def speed(self, command: TwistCommand, now: int) -> None:
+        """Take a message of driver/speed that came in at ``now`` [ns]."""
+        self._driver.speed(command, now)
+
+    def traction(self, command: WrenchCommand, now: int) -> None:
+        """Take a message of driver/traction that came in at ``now`` [ns]."""
+        self._driver.traction(command, now)
+
+    def cmd_vel(self, command: TwistCommand, now: int) -> None:
+        """Take a message of cmd_vel that came in at ``now`` [ns]."""
+        self._driver.cmd_vel(command, now)
+
+    def update(self, now: int, steer_angles: PerWheel, wheel_speeds: PerWheel) -> Setpoints:
+        """Return the set-points of a cycle.
+
+        Parameters
+        ----------
+        now
+            Stamp of the cycle [ns]. The same stamp again gives the same answer; a clock that jumped back
+            starts anew, with no command.
+        steer_angles
+            Measured steer angles [rad].
+        wheel_speeds
+            Measured wheel speeds [rad/s].
+        """
+        if now == self._now:
+            return self._setpoints
+        if self._now is not None and now < self._now:
+            self._start()
+        dt = self._period if self._now is None else min((now - self._now) / NANOSECONDS, _LONGEST_STEP * self._period)
+        self._now = now
+        self._measure(steer_angles, wheel_speeds)
+        demand = self._driver.demand(now)
+        sense = self._turn(demand.motion, dt)
+        self._setpoints = self._follow(demand, sense, dt)
+        return self._setpoints
+
+    @property
+    def status(self) -> Health:
+        """How ICR steering is doing, as of the last update."""
+        now, source = self._now or 0, self._driver.source
+        state = self._driver.state(now)
+        doing = f'following {source}' if source else 'no speed command yet: speed 0'
+        values = ('source', source or 'none'), ('state', state.name.lower())
+        return health(self._driver.notes(now) + self._notes, doing, values)
+
+    def _measure(self, steer_angles: PerWheel, wheel_speeds: PerWheel) -> None:
+        self._notes = []
+        if all(map(math.isfinite, (*steer_angles, *wheel_speeds))):
+            radius = self._vehicle.wheel_radius
+            self._measured_angles = steer_angles
+            self._measured_speeds = per_wheel(lambda i: radius * wheel_speeds[i])
+        else:
+            self._notes.append((ERROR, 'a measured steer angle or wheel speed is not finite: the last good ones count'))
+        if self._angles is None:
+            limit = self._steering.steer_limit
+            self._angles = per_wheel(lambda i: min(max(self._measured_angles[i], -limit), limit))
+
+    def _turn(self, target: Motion | None, dt: float) -> float:
+        """Turn the motion towards a target; return -1 if the motion is to be driven backwards for it, else 1."""
+        if target is None:
+            return 1.0
+        if self._motion is None:
+            # Wheels that point ahead begin there; from any other angles the set-points go over at once.
+            self._motion = STRAIGHT if max(map(abs, self._measured_angles)) < _ALIGNED else target
+        sense = 1.0 if self._steering.steering_rule == 'road' else nearest(target, self._motion)
+        rate = self._steering.motion_rate_limit
+        aim = target if sense > 0.0 else opposite(target)
+        self._motion = turn_towards(self._motion, aim, rate * dt if rate else math.inf)
+        return sense
+
+    def _follow(self, demand: Demand, sense: float, dt: float) -> Setpoints:
+        if self._motion is None or self._angles is None:
+            return self._rest(dt)
+        steering = steer(self._motion, self._angles, self._vehicle, self._steering)
+        self._angles = steering.angles
+        if not all(steering.reachable):
+            wheel, limit = WHEELS[steering.reachable.index(False)], self._steering.steer_limit
+            self._notes.append((WARN, f'{wheel} would pass steer_limit, {limit:g} rad, on the way: speed goes to 0'))
+            demand = demand._replace(magnitude=0.0, traction=None)
+        if demand.traction is not None:
+            return self._pull(demand.traction, per_wheel(lambda i: sense * steering.speeds[i]))
+        return self._drive(sense * demand.magnitude, steering.speeds, dt)
+
+    def _rest(self, dt: float) -> Setpoints:
+        """Keep the angles; before any command give no torque, at zero twist stand."""
+        never = self._driver.state(self._now or 0) is Freshness.NEVER
+        forces = _ZERO if never else self._speed_controller.stand(self._measured_speeds, dt)
+        return self._set(_ZERO, forces)
+
+    def _pull(self, traction: TractionDemand, unit_speeds: PerWheel) -> Setpoints:
+        self._speed_controller.reset()
+        self._magnitude = None
+        speeds = self._measured_speeds
+        along = traction_forces(traction.force, unit_speeds, speeds, self._vehicle, self._steering)
+        turning = moment_forces(traction.yaw_moment, self._measured_angles, self._vehicle)
+        forces = clipped(per_wheel(lambda i: along[i] + turning[i]), self._steering.maximum_drive_force)
+        magnitude = measured_magnitude(unit_speeds, speeds)
+        return self._set(per_wheel(lambda i: magnitude * unit_speeds[i]), forces)
+
+    def _drive(self, wanted: float, unit_speeds: PerWheel, dt: float) -> Setpoints:
+        speeds = self._measured_speeds
+        before = measured_magnitude(unit_speeds, speeds) if self._magnitude is None else self._magnitude
+        wanted = self._allowed(wanted, unit_speeds) * self._alignment(unit_speeds)
+        limit = self._steering.acceleration_limit
+        magnitude = self._magnitude = _ramp(before, wanted, limit * dt if limit else math.inf)
+        if magnitude == 0.0:
+            forces = self._speed_controller.stand(speeds, dt)
+        else:
+            forces = self._speed_controller.drive(magnitude, (magnitude - before) / dt, unit_speeds, speeds, dt)
+        return self._set(per_wheel(lambda i: magnitude * unit_speeds[i]), forces)
+
+    def _allowed(self, wanted: float, unit_speeds: PerWheel) -> float:
+        """Slow the whole motion down if a wheel would be too fast: the ICR stays."""
+        most = self._steering.maximum_wheel_speed / max(map(abs, unit_speeds))
+        if abs(wanted) <= most:
+            return wanted
+        limit = self._steering.maximum_wheel_speed
+        text = f'a wheel would be faster than maximum_wheel_speed, {limit:g} m/s: all are slowed down'
+        self._notes.append((WARN, text))
+        return math.copysign(most, wanted)
+
+    def _alignment(self, unit_speeds: PerWheel) -> float:
+        """Return 1 if the wheels point where they should, down to 0 if one of them is 90 deg off."""
+        if not self._steering.alignment_slowdown or self._angles is None:
+            return 1.0
+        relevant = _SLOW_WHEEL * max(map(abs, unit_speeds))
+        error = max(
+            abs(angle - measured)
+            for angle, measured, unit in zip(self._angles, self._measured_angles, unit_speeds, strict=True)
+            if abs(unit) >= relevant
+        )
+        return min(max(math.cos(min(error, math.pi)) / math.cos(_ALIGNED), 0.0), 1.0)
+
+    def _set(self, speeds: PerWheel, forces: PerWheel) -> Setpoints:
+        radius = self._vehicle.wheel_radius
+        return Setpoints(
+            self._angles or _ZERO,
+            per_wheel(lambda i: speeds[i] / radius),
+            per_wheel(lambda i: forces[i] * radius),
+        )
+
+
+def _ramp(value: float, target: float, step: float) -> float:
+    """Move towards a target by at most ``step``, stopping at 0 on the way to the other side."""
+    if value * target < 0.0 and not math.isinf(step):
+        target = 0.0
+    return min(max(target, value - step), value + step)

@@ -1,0 +1,215 @@
+"""The central speed controller: one signed magnitude of the motion in, drive forces of the four wheels out.
+
+Wheels are measured by their speed over ground along their heading. ``unit_speeds`` say how fast each of them
+rolls, with its sign, for a magnitude of 1 m/s of the commanded motion.
+"""
+
+import math
+
+from omni_vehicle_ros.model.traction import share_force
+from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
+from omni_vehicle_ros.wheels import PerWheel, per_wheel
+
+# Rate at which the speed of a wheel that has to stop dies away [1/s]. With the default time constant T of the drive,
+# 0.05 s, 4 T rate = 0.8 is below 1: no overshoot, so a brake doesn't drive the vehicle backwards.
+STOPPING_RATE = 4.0
+
+# Of the integral part, which has to find what pulls at a standing vehicle [1/s2]: critical damping.
+_HOLDING_RATE = STOPPING_RATE**2 / 4.0
+
+# Reference speed from which on the vehicle counts as standing [m/s].
+_STOPPED = 0.01
+
+# Wheels that all point at the centre of gravity make no yaw moment [m].
+_SHORT_LEVER = 0.01
+
+_NO_FORCE: PerWheel = (0.0, 0.0, 0.0, 0.0)
+_EQUAL: PerWheel = (0.25, 0.25, 0.25, 0.25)
+
+
+def rolling_signs(unit_speeds: PerWheel) -> PerWheel:
+    """Return the rolling directions, +1 or -1, that go smoothly through 0 where the ICR passes a wheel.
+
+    Parameters
+    ----------
+    unit_speeds
+        Wheel speeds per magnitude; the fifth of the largest is where a sign is whole.
+    """
+    largest = max(map(abs, unit_speeds))
+    if largest == 0.0:
+        return _NO_FORCE
+    return per_wheel(lambda i: min(max(5.0 * unit_speeds[i] / largest, -1.0), 1.0))
+
+
+def measured_magnitude(unit_speeds: PerWheel, speeds: PerWheel) -> float:
+    """Return the signed magnitude of the motion that fits the measured wheel speeds best [m/s] (least squares)."""
+    square = sum(unit * unit for unit in unit_speeds)
+    return sum(u * v for u, v in zip(unit_speeds, speeds, strict=True)) / square if square else 0.0
+
+
+def stopping_forces(largest: PerWheel, speeds: PerWheel, mass: float) -> PerWheel:
+    """Return brake forces that oppose each wheel's own motion and never turn it round [N].
+
+    Parameters
+    ----------
+    largest
+        Size of each force while the wheel rolls fast enough [N].
+    speeds
+        Measured wheel speeds [m/s].
+    mass
+        Of the vehicle [kg]; close to standstill a wheel slows down at `STOPPING_RATE`, as if it carried a quarter.
+    """
+    gain = 0.25 * mass * STOPPING_RATE
+    return per_wheel(lambda i: -math.copysign(min(abs(largest[i]), gain * abs(speeds[i])), speeds[i]))
+
+
+def moment_forces(moment: float, steer_angles: PerWheel, vehicle: VehicleParameters) -> PerWheel:
+    """Return the smallest forces along the wheels' headings that make a yaw moment [N].
+
+    For wheels that point straight ahead: Mz = T / 2 (right - left) on each axle (thesis, 2.10).
+
+    Parameters
+    ----------
+    moment
+        Yaw moment, anticlockwise [N m].
+    steer_angles
+        [rad].
+    vehicle
+        Positions of the wheels.
+    """
+    x, y = vehicle.wheel_x, vehicle.wheel_y
+    levers = per_wheel(lambda i: x[i] * math.sin(steer_angles[i]) - y[i] * math.cos(steer_angles[i]))
+    square = sum(lever * lever for lever in levers)
+    return per_wheel(lambda i: moment * levers[i] / square) if square > _SHORT_LEVER**2 else _NO_FORCE
+
+
+def traction_forces(
+    total: float, unit_speeds: PerWheel, speeds: PerWheel, vehicle: VehicleParameters, steering: SteeringParameters
+) -> PerWheel:
+    """Share open-loop traction or brake among the wheels (thesis, 2.10 and 3.2.2).
+
+    Parameters
+    ----------
+    total
+        Sum of the traction forces [N]; negative: of the brake forces, each of which opposes its wheel's motion.
+    unit_speeds
+        Wheel speeds per magnitude of the commanded motion.
+    speeds
+        Measured wheel speeds [m/s].
+    vehicle, steering
+        Mass; shares of the wheels.
+
+    Returns
+    -------
+    PerWheel
+        Forces along the wheels' headings [N].
+    """
+    shared = share_force(total, steering.drive_shares)
+    if total < 0.0:
+        return stopping_forces(shared, speeds, vehicle.mass)
+    signs = rolling_signs(unit_speeds)
+    return per_wheel(lambda i: shared[i] * signs[i])
+
+
+def clipped(forces: PerWheel, limit: float) -> PerWheel:
+    """Return forces that are all within a limit to either side [N]."""
+    return per_wheel(lambda i: min(max(forces[i], -limit), limit))
+
+
+class SpeedController:
+    """PI control with feed-forward on the mean of the wheels while driving, on every single wheel while standing.
+
+    Parameters
+    ----------
+    vehicle, steering
+        Mass; gains, shares and the largest force of a wheel.
+
+    Notes
+    -----
+    Standing, each wheel follows a reference that dies away from its own speed. The integral part begins when
+    it has died, and sees only what pulls at a standing vehicle, a slope for instance: it doesn't push one back
+    that has just stopped.
+    """
+
+    def __init__(self, vehicle: VehicleParameters, steering: SteeringParameters) -> None:
+        self._mass = vehicle.mass
+        self._steering = steering
+        self._integral = 0.0
+        self._standing: PerWheel | None = None
+        self._reference: PerWheel = _NO_FORCE
+
+    def reset(self) -> None:
+        """Forget what the integral parts have learned."""
+        self._integral, self._standing = 0.0, None
+
+    def drive(
+        self, magnitude: float, acceleration: float, unit_speeds: PerWheel, speeds: PerWheel, dt: float
+    ) -> PerWheel:
+        """Return the forces that follow a magnitude.
+
+        Parameters
+        ----------
+        magnitude, acceleration
+            Commanded magnitude of the motion [m/s] and its rate [m/s2].
+        unit_speeds
+            Wheel speeds per magnitude.
+        speeds
+            Measured wheel speeds [m/s].
+        dt
+            Time since the last call [s].
+
+        Returns
+        -------
+        PerWheel
+            Forces along the wheels' headings [N].
+        """
+        signs = rolling_signs(unit_speeds)
+        weight = sum(map(abs, signs)) or 1.0
+        if self._standing is not None:
+            self._integral = sum(s * f for s, f in zip(signs, self._standing, strict=True)) / self._mass
+            self._standing = None
+        error = sum(signs[i] * (magnitude * unit_speeds[i] - speeds[i]) for i in range(4)) / weight
+        forward = acceleration * sum(map(abs, unit_speeds)) / 4.0
+        integral = self._integral + self._steering.speed_integral_gain * error * dt
+        total = self._mass * (self._steering.speed_gain * error + integral + forward)
+        forces = self._share(total, magnitude, signs)
+        limit = self._steering.maximum_drive_force
+        if max(map(abs, forces)) < limit or error * total < 0.0:
+            self._integral = integral
+        return clipped(forces, limit)
+
+    def stand(self, speeds: PerWheel, dt: float) -> PerWheel:
+        """Return the forces that bring every wheel to rest and keep it there, on a slope too.
+
+        Parameters
+        ----------
+        speeds
+            Measured wheel speeds [m/s].
+        dt
+            Time since the last call [s].
+        """
+        if self._standing is None:
+            self._standing, self._reference, self._integral = _NO_FORCE, speeds, 0.0
+        steps = [self._stop(*wheel, dt) for wheel in zip(self._standing, self._reference, speeds, strict=True)]
+        self._standing = per_wheel(lambda i: steps[i][1])
+        self._reference = per_wheel(lambda i: steps[i][2])
+        return per_wheel(lambda i: steps[i][0])
+
+    def _stop(self, learned: float, reference: float, speed: float, dt: float) -> tuple[float, float, float]:
+        """Return the force of one wheel, and what it has learned and its reference for the next cycle."""
+        mass, limit = 0.25 * self._mass, self._steering.maximum_drive_force
+        slowest = self._steering.acceleration_limit or math.inf
+        acceleration = -min(max(STOPPING_RATE * reference, -slowest), slowest)
+        error = reference - speed
+        force = learned + mass * (acceleration + STOPPING_RATE * error)
+        if abs(force) > limit:
+            return math.copysign(limit, force), learned, speed
+        # While the wheel still slows down, the error is the lag of the drive, which is not for the integral.
+        rate = _HOLDING_RATE * error if abs(reference) < _STOPPED else 0.0
+        return force, learned + mass * rate * dt, reference + acceleration * dt
+
+    def _share(self, total: float, magnitude: float, signs: PerWheel) -> PerWheel:
+        # A brake acts on all wheels, whichever of them drive.
+        shares = _EQUAL if total * magnitude < 0.0 else self._steering.drive_shares
+        return per_wheel(lambda i: total * shares[i] * signs[i])
+

@@ -1,0 +1,156 @@
+"""The controller of one wheel: it follows its set-points, and looks after its wheel when they stop."""
+
+import math
+from typing import NamedTuple
+
+from omni_vehicle_ros.control.actuator import DriveActuator, SteerActuator
+from omni_vehicle_ros.control.freshness import CommandMonitor, Freshness
+from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
+from omni_vehicle_ros.parameters import VehicleParameters, WheelModuleParameters
+
+
+class Setpoint(NamedTuple):
+    """What a wheel is asked for: stamp [ns], steer angle [rad], wheel speed [rad/s], drive torque [N m]."""
+
+    stamp: int
+    steer_angle: float
+    wheel_speed: float
+    torque: float
+
+
+class ModuleState(NamedTuple):
+    """What the actuators do over the coming cycle.
+
+    Attributes
+    ----------
+    steer_angle
+        Steer angle at its begin [rad].
+    steer_rate
+        Mean steer rate [rad/s].
+    drive_torque
+        Mean drive torque [N m].
+    """
+
+    steer_angle: float
+    steer_rate: float
+    drive_torque: float
+
+
+class WheelModule:
+    """One wheel module.
+
+    Before its first command it is passive: it keeps the angle and gives no torque. A command
+    older than ``module_timeout`` is stale: the module holds the angle that it has then and brakes its own wheel to
+    rest. A fresh command resumes at once. A trim that is too old is dropped. What is not finite is not taken.
+
+    Parameters
+    ----------
+    parameters
+        Actuators and time-out.
+    vehicle
+        Not more than the wheel it carries: kept for a module with a speed loop of its own.
+    control_period
+        Time from one cycle to the next [s].
+    """
+
+    def __init__(self, parameters: WheelModuleParameters, vehicle: VehicleParameters, control_period: float) -> None:
+        self._parameters = parameters
+        self._period = control_period
+        self._steer = SteerActuator(parameters)
+        self._drive = DriveActuator(parameters)
+        self._commands = CommandMonitor(parameters.module_timeout)
+        self._trims = CommandMonitor(parameters.module_timeout)
+        self._new_command: Setpoint | None = None
+        self._new_trim: tuple[int, float] | None = None
+        self._command = Setpoint(0, 0.0, 0.0, 0.0)
+        self._trim = 0.0
+        self._held_angle: float | None = None
+        self._now: int | None = None
+        self._refused: dict[str, str] = {}
+        self._notes: list[tuple[int, str]] = []
+        self._state = Freshness.NEVER
+
+    def command(self, command: Setpoint) -> None:
+        """Take a set-point; one with NaN or inf is refused and the last good one kept."""
+        if self._finite('command', command.steer_angle, command.wheel_speed, command.torque):
+            self._new_command = command
+
+    def trim(self, stamp: int, angle: float) -> None:
+        """Take a steering trim [rad] with its stamp [ns]; NaN or inf is refused and the last good one kept."""
+        if self._finite('steer_trim', angle):
+            self._new_trim = stamp, angle
+
+    def update(self, now: int, wheel_speed: float) -> ModuleState:
+        """Act on the present cycle.
+
+        Parameters
+        ----------
+        now
+            Stamp of the cycle [ns].
+        wheel_speed
+            Measured speed of the wheel [rad/s].
+        """
+        self._accept(now)
+        self._notes = [(ERROR, text) for text in self._refused.values()]
+        if not math.isfinite(wheel_speed):
+            self._notes.append((ERROR, f'wheel speed {wheel_speed} is not finite: no brake torque without it'))
+            wheel_speed = 0.0
+        self._state = self._commands.state(now)
+        steer_angle, torque = self._follow(now) if self._state is Freshness.FRESH else self._hold(now, wheel_speed)
+        motion = self._steer.update(now, steer_angle, self._period)
+        return ModuleState(motion.angle, motion.rate, self._drive.update(torque, self._period))
+
+    @property
+    def status(self) -> Health:
+        """How the module is doing, as of the last update."""
+        doing = 'no command yet: passive' if self._state is Freshness.NEVER else 'following its set-points'
+        return health(self._notes, doing)
+
+    def _finite(self, source: str, *values: float) -> bool:
+        if all(map(math.isfinite, values)):
+            self._refused.pop(source, None)
+            return True
+        bad = ', '.join(str(value) for value in values if not math.isfinite(value))
+        self._refused[source] = f'{source} refused: {bad} is not finite; the last good one holds'
+        return False
+
+    def _accept(self, now: int) -> None:
+        if self._now is not None and now < self._now:
+            self._commands.forget()
+            self._trims.forget()
+        self._now = now
+        if self._new_command is not None:
+            self._command, self._new_command = self._new_command, None
+            self._commands.received(self._command.stamp, now)
+        if self._new_trim is not None:
+            (stamp, self._trim), self._new_trim = self._new_trim, None
+            self._trims.received(stamp, now)
+
+    def _follow(self, now: int) -> tuple[float, float]:
+        self._held_angle = None
+        wanted = self._command.steer_angle + self._fresh_trim(now)
+        if abs(wanted) > self._parameters.steer_limit:
+            limit = self._parameters.steer_limit
+            self._notes.append((WARN, f'steer angle and trim are beyond steer_limit, {limit:g} rad: clipped'))
+        if abs(self._command.torque) > self._parameters.drive_torque_limit:
+            limit = self._parameters.drive_torque_limit
+            self._notes.append((WARN, f'torque is beyond drive_torque_limit, {limit:g} N m: clipped'))
+        if self._commands.warning:
+            self._notes.append((WARN, f'command: {self._commands.warning}'))
+        return wanted, self._command.torque
+
+    def _fresh_trim(self, now: int) -> float:
+        state = self._trims.state(now)
+        if state is Freshness.STALE:
+            limit = self._parameters.module_timeout
+            self._notes.append((WARN, f'steer_trim is older than module_timeout, {limit:g} s: dropped'))
+        return self._trim if state is Freshness.FRESH else 0.0
+
+    def _hold(self, now: int, wheel_speed: float) -> tuple[float, float]:
+        if self._held_angle is None:
+            self._held_angle = self._steer.reach(now)
+        if self._state is Freshness.NEVER:
+            return self._held_angle, 0.0
+        limit = self._parameters.module_timeout
+        self._notes.append((ERROR, f'command is older than module_timeout, {limit:g} s: angle held, wheel braked'))
+        return self._held_angle, -self._parameters.brake_gain * wheel_speed

@@ -1,0 +1,67 @@
+"""Entry points of all executables; they import late, so that a signal during a start ends it without a trace."""
+
+import importlib
+import signal
+import sys
+
+ENDING = (signal.SIGINT, signal.SIGTERM)
+
+
+def hold_signals() -> None:
+    """Keep SIGINT and SIGTERM pending until there is someone to handle them."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+
+
+def release_signals() -> None:
+    """Let SIGINT and SIGTERM through, those that came meanwhile included."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+
+
+def main(module: str) -> None:
+    """Run the ``main`` of a module of this package."""
+    hold_signals()
+    importlib.import_module(f'omni_vehicle_ros.{module}').main()
+
+
+def omni_vehicle() -> None:
+    """Run the command ``omni_vehicle``."""
+    main('cli')
+
+
+def plant() -> None:
+    """Run the node ``plant``."""
+    main('nodes.plant')
+
+
+def wheel_module() -> None:
+    """Run the node ``wheel_module``."""
+    main('nodes.wheel_module')
+
+
+def icr_steering() -> None:
+    """Run the node ``icr_steering``."""
+    main('nodes.icr_steering')
+
+
+def side_slip_controller() -> None:
+    """Run the node ``side_slip_controller``."""
+    main('nodes.side_slip_controller')
+
+
+def recorder() -> None:
+    """Run the node ``recorder``."""
+    main('nodes.recorder')
+
+
+def driver() -> None:
+    """Run the node ``driver``."""
+    main('nodes.driver')
+
+
+def vehicle() -> None:
+    """Run all nodes in one process."""
+    main('nodes.vehicle')
+
+
+if __name__ == '__main__':
+    main(sys.argv.pop(1))

@@ -1,0 +1,383 @@
+"""How each type's value is laid out on the wire.
+
+A codec keeps the layouts that it has met, so that a message like one before costs a look-up and one call of
+``struct``. A message unlike any before is read field by field.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from itertools import chain
+from typing import Any
+
+from omni_vehicle_ros.messages.cdr import TRAILING_BYTES, Layout, LayoutBuilder, Reader
+from omni_vehicle_ros.messages.values import (
+    Clock,
+    Diagnostics,
+    Forces,
+    Imu,
+    Joints,
+    Odometry,
+    Point,
+    Status,
+    Step,
+    Text,
+    Twist,
+    Vector,
+    Wrench,
+)
+
+SECOND = 1_000_000_000
+KEPT_LAYOUTS = 64
+"""Layouts kept for each type and direction, so that ever new names don't fill the memory."""
+
+
+class Codec(ABC):
+    """Turns the values of one type into bytes and back."""
+
+    def __init__(self, value_type: type[Any]) -> None:
+        self.value_type = value_type
+
+    @abstractmethod
+    def encode(self, value: Any) -> bytes:
+        """Return the message."""
+
+    @abstractmethod
+    def decode(self, data: bytes) -> Any:
+        """Return the value, or raise MessageError."""
+
+
+class CachedCodec(Codec):
+    """Codec of a type whose messages mostly differ in their numbers only."""
+
+    def __init__(self, value_type: type[Any]) -> None:
+        super().__init__(value_type)
+        self._by_shape: dict[Any, Layout] = {}
+        self._by_length: dict[int, list[Layout]] = {}
+        self._known = 0
+
+    @abstractmethod
+    def describe(self, builder: LayoutBuilder, shape: Any) -> None:
+        """Add the fields of a message of this shape."""
+
+    @abstractmethod
+    def read(self, reader: Reader) -> tuple[Any, tuple[Any, ...]]:
+        """Return the shape and the numbers of any message."""
+
+    @abstractmethod
+    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Any:
+        """Return the value that shape and numbers make."""
+
+    def layout(self, shape: Any) -> Layout:
+        """Return the layout of messages of this shape."""
+        layout = self._by_shape.get(shape)
+        if layout is None:
+            builder = LayoutBuilder()
+            self.describe(builder, shape)
+            layout = builder.build(shape)
+            if len(self._by_shape) >= KEPT_LAYOUTS:
+                self._by_shape.clear()
+            self._by_shape[shape] = layout
+        return layout
+
+    def decode(self, data: bytes) -> Any:
+        """Return the value, or raise MessageError."""
+        for layout in self._by_length.get(len(data), ()):
+            if layout.fixed(data) == layout.constants:
+                return self.value(layout.shape, layout.numbers(data))
+        return self._decode_first(data)
+
+    def _decode_first(self, data: bytes) -> Any:
+        reader = Reader(data)
+        shape, numbers = self.read(reader)
+        reader.finish()
+        if reader.little_endian:
+            self._learn(shape, data)
+        return self.value(shape, numbers)
+
+    def _learn(self, shape: Any, data: bytes) -> None:
+        layout = self.layout(shape)
+        if not 0 <= len(data) - layout.size <= TRAILING_BYTES or layout.fixed(data) != layout.constants:
+            return
+        if self._known >= KEPT_LAYOUTS:
+            self._by_length.clear()
+            self._known = 0
+        self._by_length.setdefault(len(data), []).append(layout)
+        self._known += 1
+
+
+class StampedCodec(CachedCodec):
+    """Codec of a stamp, then strings, then always the same numbers.
+
+    Parameters
+    ----------
+    value_type
+        Has the fields stamp, numbers, strings, in this order.
+    form
+        The numbers on the wire: ``d``, and ``x`` for each unused byte.
+    strings
+        How many there are.
+    to_wire, from_wire
+        Convert the numbers of the value to those of the wire and back.
+    """
+
+    def __init__(
+        self,
+        value_type: type[Any],
+        form: str,
+        strings: int = 1,
+        to_wire: Callable[..., tuple[float, ...]] | None = None,
+        from_wire: Callable[..., tuple[float, ...]] | None = None,
+    ) -> None:
+        super().__init__(value_type)
+        self._form = form
+        self._strings = strings
+        self._end = len(value_type._fields) - strings
+        self._to_wire = to_wire
+        self._from_wire = from_wire
+        self._make = value_type._make
+
+    def encode(self, value: Any) -> bytes:
+        """Return the message."""
+        layout = self.layout(value[self._end:])
+        numbers = value[1:self._end]
+        if self._to_wire is not None:
+            numbers = self._to_wire(*numbers)
+        seconds, nanoseconds = divmod(value[0], SECOND)
+        return layout.pack(layout.runs[0], seconds, nanoseconds, *layout.runs[1:], *numbers)
+
+    def describe(self, builder: LayoutBuilder, shape: Any) -> None:
+        """Add the fields of a message with these strings."""
+        builder.stamp()
+        for text in shape:
+            builder.string(text)
+        builder.numbers(self._form)
+
+    def read(self, reader: Reader) -> tuple[Any, tuple[Any, ...]]:
+        """Return the strings and the numbers."""
+        stamp = reader.stamp()
+        return tuple(reader.string() for _ in range(self._strings)), stamp + reader.numbers(self._form)
+
+    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Any:
+        """Return the value."""
+        stamp = numbers[0] * SECOND + numbers[1]
+        if self._from_wire is not None:
+            return self._make((stamp, *self._from_wire(*numbers[2:]), *shape))
+        return self._make((stamp, *numbers[2:], *shape))
+
+
+def _odometry_to_wire(
+    x: float, y: float, heading: float, vx: float, vy: float, yaw_rate: float
+) -> tuple[float, ...]:
+    half = 0.5 * heading
+    return x, y, 0.0, 0.0, math.sin(half), math.cos(half), vx, vy, yaw_rate
+
+
+def _odometry_from_wire(
+    x: float, y: float, qx: float, qy: float, qz: float, qw: float, vx: float, vy: float, yaw_rate: float
+) -> tuple[float, ...]:
+    return x, y, _heading(qx, qy, qz, qw), vx, vy, yaw_rate
+
+
+def _imu_to_wire(
+    roll: float, heading: float, yaw_rate: float, ax: float, ay: float, az: float
+) -> tuple[float, ...]:
+    sin_roll, cos_roll = math.sin(0.5 * roll), math.cos(0.5 * roll)
+    sin_heading, cos_heading = math.sin(0.5 * heading), math.cos(0.5 * heading)
+    return (
+        cos_heading * sin_roll, sin_heading * sin_roll, sin_heading * cos_roll, cos_heading * cos_roll,
+        yaw_rate, ax, ay, az,
+    )
+
+
+def _imu_from_wire(
+    qx: float, qy: float, qz: float, qw: float, yaw_rate: float, ax: float, ay: float, az: float
+) -> tuple[float, ...]:
+    roll = math.atan2(2.0 * (qw * qx + qy * qz), qw * qw - qx * qx - qy * qy + qz * qz)
+    return roll, _heading(qx, qy, qz, qw), yaw_rate, ax, ay, az
+
+
+def _heading(qx: float, qy: float, qz: float, qw: float) -> float:
+    """Return the yaw angle of the ZYX Euler angles; the quaternion need not have unit length."""
+    return math.atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz)
+
+
+class JointsCodec(CachedCodec):
+    """Codec of ``JointState``; shape: names, frame, lengths of the three arrays."""
+
+    def encode(self, value: Joints) -> bytes:
+        """Return the message."""
+        stamp, names, position, velocity, effort, frame = value
+        layout = self.layout((names, frame, len(position), len(velocity), len(effort)))
+        begin, strings, second, third = layout.runs
+        seconds, nanoseconds = divmod(stamp, SECOND)
+        return layout.pack(
+            begin, seconds, nanoseconds, strings, *position, second, *velocity, third, *effort
+        )
+
+    def describe(self, builder: LayoutBuilder, shape: Any) -> None:
+        """Add the fields."""
+        names, frame, *lengths = shape
+        builder.stamp()
+        builder.string(frame)
+        builder.strings(names)
+        for length in lengths:
+            builder.doubles(length)
+
+    def read(self, reader: Reader) -> tuple[Any, tuple[Any, ...]]:
+        """Return shape and numbers."""
+        stamp, frame, names = reader.stamp(), reader.string(), reader.strings()
+        arrays = [reader.doubles() for _ in range(3)]
+        return (names, frame, *map(len, arrays)), stamp + tuple(chain.from_iterable(arrays))
+
+    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Joints:
+        """Return the value."""
+        names, frame, positions, velocities, _ = shape
+        second = 2 + positions
+        third = second + velocities
+        stamp = numbers[0] * SECOND + numbers[1]
+        return Joints(stamp, names, numbers[2:second], numbers[second:third], numbers[third:], frame)
+
+
+class ForcesCodec(CachedCodec):
+    """Codec of ``MultiDOFJointState``, of which the forces are used; shape: names, frame, number of forces."""
+
+    def encode(self, value: Forces) -> bytes:
+        """Return the message."""
+        stamp, names, forces, frame = value
+        layout = self.layout((names, frame, len(forces)))
+        seconds, nanoseconds = divmod(stamp, SECOND)
+        return layout.pack(layout.runs[0], seconds, nanoseconds, layout.runs[1], *chain.from_iterable(forces))
+
+    def describe(self, builder: LayoutBuilder, shape: Any) -> None:
+        """Add the fields, without transforms and twists."""
+        names, frame, length = shape
+        builder.stamp()
+        builder.string(frame)
+        builder.strings(names)
+        builder.count(0)
+        builder.count(0)
+        builder.count(length)
+        builder.numbers('3d24x' * length)
+
+    def read(self, reader: Reader) -> tuple[Any, tuple[Any, ...]]:
+        """Return shape and numbers; transforms and twists are skipped."""
+        stamp, frame, names = reader.stamp(), reader.string(), reader.strings()
+        reader.numbers('56x' * reader.count(56))
+        reader.numbers('48x' * reader.count(48))
+        length = reader.count(48)
+        return (names, frame, length), stamp + reader.numbers('3d24x' * length)
+
+    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Forces:
+        """Return the value."""
+        names, frame, _ = shape
+        forces = tuple(zip(numbers[2::3], numbers[3::3], numbers[4::3], strict=True))
+        return Forces(numbers[0] * SECOND + numbers[1], names, forces, frame)
+
+
+class StepCodec(CachedCodec):
+    """Codec of ``TimeReference`` without frame; shape: topics."""
+
+    def encode(self, value: Step) -> bytes:
+        """Return the message."""
+        layout = self.layout(value.topics)
+        begin, frame, source = layout.runs
+        return layout.pack(begin, *divmod(value.stamp, SECOND), frame, *divmod(value.end, SECOND), source)
+
+    def describe(self, builder: LayoutBuilder, shape: Any) -> None:
+        """Add the fields."""
+        source = ' '.join(shape)
+        if tuple(source.split()) != shape:
+            raise ValueError(f'topics {shape!r} must be words')
+        builder.stamp()
+        builder.string('')
+        builder.stamp()
+        builder.string(source)
+
+    def read(self, reader: Reader) -> tuple[Any, tuple[Any, ...]]:
+        """Return the topics and the numbers."""
+        stamp, _ = reader.stamp(), reader.string()
+        end, source = reader.stamp(), reader.string()
+        return tuple(source.split()), stamp + end
+
+    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Step:
+        """Return the value."""
+        seconds, nanoseconds, end_seconds, end_nanoseconds = numbers
+        return Step(seconds * SECOND + nanoseconds, end_seconds * SECOND + end_nanoseconds, shape)
+
+
+class TextCodec(Codec):
+    """Codec of ``String``."""
+
+    def encode(self, value: Text) -> bytes:
+        """Return the message."""
+        builder = LayoutBuilder()
+        builder.string(value.data)
+        return _pack(builder)
+
+    def decode(self, data: bytes) -> Text:
+        """Return the value, or raise MessageError."""
+        reader = Reader(data)
+        text = reader.string()
+        reader.finish()
+        return Text(text)
+
+
+class DiagnosticsCodec(Codec):
+    """Codec of ``DiagnosticArray``."""
+
+    def encode(self, value: Diagnostics) -> bytes:
+        """Return the message."""
+        builder = LayoutBuilder()
+        builder.stamp()
+        builder.string(value.frame)
+        builder.count(len(value.statuses))
+        for status in value.statuses:
+            builder.byte(status.level)
+            for text in (status.name, status.message, status.hardware_id):
+                builder.string(text)
+            builder.count(len(status.values))
+            for text in chain.from_iterable(status.values):
+                builder.string(text)
+        return _pack(builder, *divmod(value.stamp, SECOND))
+
+    def decode(self, data: bytes) -> Diagnostics:
+        """Return the value, or raise MessageError."""
+        reader = Reader(data)
+        seconds, nanoseconds = reader.stamp()
+        frame = reader.string()
+        statuses = tuple(_read_status(reader) for _ in range(reader.count(17)))
+        reader.finish()
+        return Diagnostics(seconds * SECOND + nanoseconds, statuses, frame)
+
+
+def _read_status(reader: Reader) -> Status:
+    level, name, message, hardware_id = reader.byte(), reader.string(), reader.string(), reader.string()
+    values = tuple((reader.string(), reader.string()) for _ in range(reader.count(8)))
+    return Status(level, name, message, values, hardware_id)
+
+
+def _pack(builder: LayoutBuilder, *numbers: int) -> bytes:
+    layout = builder.build()
+    return layout.pack(layout.runs[0], *numbers, *layout.runs[1:])
+
+
+CODECS: dict[str, Codec] = {
+    'sensor_msgs/msg/JointState': JointsCodec(Joints),
+    'sensor_msgs/msg/MultiDOFJointState': ForcesCodec(Forces),
+    'sensor_msgs/msg/TimeReference': StepCodec(Step),
+    'sensor_msgs/msg/Imu': StampedCodec(
+        Imu, '4d72x16xd72x3d72x', to_wire=_imu_to_wire, from_wire=_imu_from_wire
+    ),
+    'nav_msgs/msg/Odometry': StampedCodec(
+        Odometry, '2d8x4d288x2d24xd288x', strings=2, to_wire=_odometry_to_wire, from_wire=_odometry_from_wire
+    ),
+    'geometry_msgs/msg/PointStamped': StampedCodec(Point, '3d'),
+    'geometry_msgs/msg/Vector3Stamped': StampedCodec(Vector, '3d'),
+    'geometry_msgs/msg/TwistStamped': StampedCodec(Twist, '2d24xd'),
+    'geometry_msgs/msg/WrenchStamped': StampedCodec(Wrench, '6d'),
+    'rosgraph_msgs/msg/Clock': StampedCodec(Clock, '', strings=0),
+    'std_msgs/msg/String': TextCodec(Text),
+    'diagnostic_msgs/msg/DiagnosticArray': DiagnosticsCodec(Diagnostics),
+}
+"""The codec of each type, by the type's name."""

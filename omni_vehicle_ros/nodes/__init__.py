@@ -1,0 +1,1 @@
+"""Thin rclpy shells around the components; nothing else in the package imports rclpy."""

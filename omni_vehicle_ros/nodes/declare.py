@@ -1,0 +1,73 @@
+"""ROS parameters from the parameter classes: descriptor, range, coercion and refusal with the reason."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from omni_vehicle_ros.errors import ParameterError
+from omni_vehicle_ros.parameters import Parameters, check_value
+
+P = TypeVar('P', bound=Parameters)
+
+
+def declare(node: Node, parameters: type[P], *, only: tuple[str, ...] = (), changeable: bool = False) -> P:
+    """Declare the fields of a parameter class on a node and return what was set.
+
+    Whole numbers are taken for real ones. Parameters are read-only unless ``changeable``.
+
+    Raises
+    ------
+    ParameterError
+        A value is of the wrong type or out of range.
+    """
+    values = {}
+    for entry in dataclasses.fields(parameters):  # type: ignore[arg-type]
+        if only and entry.name not in only:
+            continue
+        default = list(entry.default) if isinstance(entry.default, tuple) else entry.default
+        declared = node.declare_parameter(entry.name, default, _descriptor(entry, changeable))
+        values[entry.name] = check_value(entry, declared.value)
+        _store_coerced(node, entry.name, values[entry.name])
+    return parameters.from_mapping(values)
+
+
+def _descriptor(entry: 'dataclasses.Field[Any]', changeable: bool) -> ParameterDescriptor:
+    unit, choices = entry.metadata['unit'], entry.metadata['choices']
+    text = entry.metadata['text'] + (f' [{unit}]' if unit else '') + (f' One of: {", ".join(choices)}.' if choices else '')
+    descriptor = ParameterDescriptor(description=text, dynamic_typing=True, read_only=not changeable)
+    low, high = entry.metadata['low'], entry.metadata['high']
+    if low is not None or high is not None:
+        bounds = (-1e308 if low is None else float(low), 1e308 if high is None else float(high))
+        descriptor.additional_constraints = f'{low} .. {high}'
+        if isinstance(entry.default, float):
+            descriptor.floating_point_range = [FloatingPointRange(from_value=bounds[0], to_value=bounds[1])]
+    return descriptor
+
+
+def _store_coerced(node: Node, name: str, value: Any) -> None:
+    """Let the node hold the value in its declared type, so that ``ros2 param get`` shows a double."""
+    plain = list(value) if isinstance(value, tuple) else value
+    if type(node.get_parameter(name).value) is not type(plain):
+        node._parameters[name] = Parameter(name, value=plain)
+
+
+def on_change(node: Node, current: P, apply: Callable[[P], None]) -> None:
+    """Call ``apply`` with the new parameters whenever some of ``current``'s are set; refuse bad ones with the reason."""
+    held = [current]
+
+    def check(changes: list[Parameter]) -> SetParametersResult:
+        names = {entry.name for entry in dataclasses.fields(held[0])}  # type: ignore[arg-type]
+        values = {change.name: change.value for change in changes if change.name in names}
+        if values:
+            try:
+                held[0] = type(held[0]).from_mapping({**held[0].as_dict(), **values})
+            except ParameterError as error:
+                return SetParametersResult(successful=False, reason=str(error))
+            apply(held[0])
+        return SetParametersResult(successful=True)
+
+    node.add_on_set_parameters_callback(check)

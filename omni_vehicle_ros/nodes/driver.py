@@ -1,0 +1,39 @@
+"""Node ``driver``: plays the commands and the environment of a scenario."""
+
+import sys
+import time
+
+from rclpy.context import Context
+
+from omni_vehicle_ros import interface
+from omni_vehicle_ros.components.component import Output
+from omni_vehicle_ros.components.driver import Driver
+from omni_vehicle_ros.nodes.process import run
+from omni_vehicle_ros.nodes.shell import Shell
+from omni_vehicle_ros.scenarios import load_scenario
+
+PROGRESS_PERIOD = 0.1
+
+
+class DriverNode(Shell):
+    """Says what the scenario says, when it says it; prints the simulated time on standard output."""
+
+    def __init__(self, context: Context, namespace: str | None = None) -> None:
+        super().__init__(interface.DRIVER, context=context, namespace=namespace)
+        scenario = load_scenario(str(self.declare_parameter('scenario', 'demo').value))
+        self._driver = Driver(scenario, name=self.full_name)
+        self._printed = 0.0
+        self.attach(self._driver)
+
+    def publish(self, outputs: list[Output]) -> None:
+        """Publish, and print how far the scenario is, for whoever shows a progress bar."""
+        super().publish(outputs)
+        wall = time.monotonic()
+        if wall - self._printed > PROGRESS_PERIOD or self.now >= self._driver.end:
+            self._printed = wall
+            print(f'time {self.now / 1e9:.3f}', flush=True)
+
+
+def main() -> None:
+    """Run the node until a signal comes."""
+    sys.exit(run(lambda context: [DriverNode(context)]))

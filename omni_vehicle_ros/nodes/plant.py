@@ -1,0 +1,113 @@
+"""Node ``plant``: the simulated vehicle, and the one that keeps the time."""
+
+import sys
+import time
+
+from rclpy.context import Context
+
+from omni_vehicle_ros import interface
+from omni_vehicle_ros.components.component import Output, Value
+from omni_vehicle_ros.components.plant import Plant
+from omni_vehicle_ros.messages import Text, decode
+from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.ports import subscribe_to
+from omni_vehicle_ros.nodes.process import run
+from omni_vehicle_ros.nodes.shell import Shell, StartError
+from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
+
+RECORDER_WINDOW = 32
+"""Cycles that the plant may run ahead of the recorder in lock step: half the depth of the publishers."""
+
+
+class PlantNode(Shell):
+    """Moves when all modules have answered (lock step) or when it is time (real time)."""
+
+    def __init__(self, context: Context, namespace: str | None = None) -> None:
+        super().__init__(interface.PLANT, context=context, namespace=namespace)
+        vehicle, plant = declare(self, VehicleParameters), declare(self, PlantParameters)
+        clock = bool(self.declare_parameter('publish_clock', True).value)
+        self._plant = Plant(vehicle, plant, name=self.full_name, publish_clock=clock)
+        self._tick = plant.control_period / self.pacing.realtime_factor
+        self._state_timeout = round(plant.state_timeout * 1e9)
+        self._states = dict.fromkeys(self._plant.sources, -self._state_timeout - 1)
+        self._ready: set[str] = set()
+        self._begun = False
+        self._made = self._due = time.monotonic()
+        self._recorded = 0
+        self._recorder_lost = interface.RECORDER not in self.pacing.participants
+        self.attach(self._plant)
+        subscribe_to(self, interface.topic('ready'), self.vehicle_namespace, self._note_ready, latched=True)
+
+    def _note_ready(self, data: bytes) -> None:
+        text = decode('std_msgs/msg/String', data)
+        if isinstance(text, Text):
+            self._ready.add(text.data)
+
+    def take(self, topic: str, value: Value) -> None:
+        """Take a message; note how far the modules and the recorder are."""
+        if topic == 'recorder/step':
+            self._recorded = max(self._recorded, value.stamp)
+            self._recorder_lost = False
+            self.act()
+            return
+        if topic in self._states:
+            self._states[topic] = max(self._states[topic], value.stamp)
+        super().take(topic, value)
+
+    def act(self) -> None:
+        """In lock step, move as soon as the cycle is complete and the recorder is not far behind."""
+        ahead = self.now - self._recorded > RECORDER_WINDOW * self._plant.period
+        if self.lockstep and self._begun and (self._recorder_lost or not ahead):
+            super().act()
+
+    def publish(self, outputs: list[Output]) -> None:
+        """Publish what the sensors see, and open the cycle that begins with it."""
+        super().publish(outputs)
+        for topic, value in outputs:
+            if topic == 'joint_states':
+                self.now = value.stamp
+                self.gate.open(self.now)
+                self._opened = time.monotonic()
+
+    def poll(self) -> None:
+        """Begin, and in real time move when it is time."""
+        if not self._begun:
+            super().poll()
+            self._begin()
+        elif self.lockstep:
+            if self.gate.waiting and time.monotonic() - self._opened > self.pacing.wait_limit:
+                self._recorder_lost = True
+            super().poll()
+        elif time.monotonic() >= self._due:
+            super().poll()
+            self._move()
+
+    def _begin(self) -> None:
+        others = {*self.pacing.participants} - self._ready
+        if self.lockstep and others:
+            if time.monotonic() - self._made > self.pacing.start_limit:
+                raise StartError(f'not ready after {self.pacing.start_limit:g} s: {", ".join(sorted(others))}; are they running?')
+            return
+        self._begun = True
+        self._due = time.monotonic() + self._tick
+        self.publish(self._plant.begin())
+
+    def _move(self) -> None:
+        """Take the latest from every module, unless it is too old; catch up with at most one late cycle."""
+        oldest = self.now - self._state_timeout
+        missing = tuple(topic for topic, stamp in self._states.items() if stamp < oldest)
+        self.gate.close()
+        self.hand_over()
+        self.publish(self._plant.step(self.now, missing))
+        self._due = max(self._due + self._tick, time.monotonic() - self._tick)
+
+    def wait(self) -> float:
+        """Return the time until the next move."""
+        if self.lockstep or not self._begun:
+            return 0.02
+        return max(self._due - time.monotonic(), 0.0)
+
+
+def main() -> None:
+    """Run the node until a signal comes."""
+    sys.exit(run(lambda context: [PlantNode(context)]))

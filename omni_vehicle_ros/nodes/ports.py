@@ -1,0 +1,56 @@
+"""Publishers and subscriptions, made from the wiring table; messages cross them as raw bytes."""
+
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+
+from omni_vehicle_ros.interface import Qos, Topic, resolve
+
+
+def message_class(type_name: str) -> Any:
+    """Return the class of a type such as ``sensor_msgs/msg/JointState``."""
+    package, kind, name = type_name.split('/')
+    return getattr(importlib.import_module(f'{package}.{kind}'), name)
+
+
+def publisher_profile(qos: Qos) -> QoSProfile:
+    """Return the profile of a publisher."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=qos.depth,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if qos.latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def subscription_profile(qos: Qos, *, depth: int | None = None, latched: bool = False) -> QoSProfile:
+    """Return the profile of a subscription.
+
+    It asks for volatile messages unless ``latched``: a latched subscription would refuse the publishers
+    of ``ros2 topic pub`` and the like, which are volatile.
+    """
+    return publisher_profile(Qos(depth or qos.depth, latched))
+
+
+def publish_on(node: Node, topic: Topic, namespace: str) -> Publisher:
+    """Make the publisher of a topic of the vehicle in ``namespace``."""
+    return node.create_publisher(message_class(topic.type), resolve(topic.name, namespace), publisher_profile(topic.qos))
+
+
+def subscribe_to(
+    node: Node,
+    topic: Topic,
+    namespace: str,
+    callback: Callable[[bytes], None],
+    *,
+    depth: int | None = None,
+    latched: bool = False,
+) -> Subscription:
+    """Make a subscription that hands over the bytes of each message."""
+    profile = subscription_profile(topic.qos, depth=depth, latched=latched)
+    return node.create_subscription(message_class(topic.type), resolve(topic.name, namespace), callback, profile, raw=True)

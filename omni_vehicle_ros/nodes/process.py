@@ -1,0 +1,74 @@
+"""One process: signals, an executor with finite waits, and an end without traces."""
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Sequence
+from types import FrameType
+
+import rclpy
+from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from omni_vehicle_ros.errors import OmniVehicleError
+from omni_vehicle_ros.executables import ENDING, release_signals
+from omni_vehicle_ros.nodes.shell import Shell
+
+PARENT = 'OMNI_VEHICLE_PARENT'
+EXIT_USAGE = 2
+
+
+class Stop:
+    """Set by SIGINT and SIGTERM, at any moment and as often as they come."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        self._parent = int(os.environ.get(PARENT, '0'))
+        for number in ENDING:
+            signal.signal(number, self._note)
+        release_signals()
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self.asked = True
+
+    def __bool__(self) -> bool:
+        """Whether to stop: asked to, or left behind by the process that started this one."""
+        return self.asked or (self._parent != 0 and os.getppid() != self._parent)
+
+
+def run(make: Callable[[Context], Sequence[Shell]], arguments: Sequence[str] | None = None) -> int:
+    """Make nodes and serve them until they have finished or a signal comes; return the exit code."""
+    stop = Stop()
+    context = Context()
+    rclpy.init(args=list(arguments) if arguments is not None else None, context=context, signal_handler_options=SignalHandlerOptions.NO)
+    nodes: Sequence[Shell] = ()
+    executor = EventsExecutor(context=context)
+    try:
+        nodes = make(context)
+        for node in nodes:
+            executor.add_node(node)
+        serve(executor, nodes, stop)
+    except OmniVehicleError as error:
+        print(f'error: {error}', file=sys.stderr)
+        return EXIT_USAGE
+    finally:
+        executor.shutdown(timeout_sec=1.0)
+        for node in nodes:
+            node.end()
+            node.destroy_node()
+        context.try_shutdown()
+    return 0
+
+
+def serve(executor: EventsExecutor, nodes: Sequence[Shell], stop: Stop) -> None:
+    """Take messages and poll the nodes until all have finished; every wait is finite."""
+    due = 0.0
+    while not stop and not all(node.finished for node in nodes):
+        now = time.monotonic()
+        if now >= due:
+            for node in nodes:
+                node.poll()
+            due = now + min(node.wait() for node in nodes)
+        executor.spin_once(timeout_sec=max(due - now, 0.0))

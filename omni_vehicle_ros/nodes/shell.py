@@ -1,0 +1,184 @@
+"""The shell that puts a component on Fast DDS: convert, wait for what belongs to the cycle, act, convert, publish."""
+
+import time
+from collections import deque
+from collections.abc import Callable
+
+from rclpy.context import Context
+from rclpy.node import Node
+
+from omni_vehicle_ros import interface
+from omni_vehicle_ros.components.component import Component, Output, Value
+from omni_vehicle_ros.components.gate import Gate
+from omni_vehicle_ros.errors import MessageError, OmniVehicleError
+from omni_vehicle_ros.messages import Step, Text, decode, encode
+from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.handshake import Handshake
+from omni_vehicle_ros.nodes.ports import publish_on, subscribe_to
+from omni_vehicle_ros.parameters import PacingParameters
+
+WARN_PERIOD = 5.0
+
+INBOX = 512
+"""Messages that may wait for their cycle; of a flood, the latest are kept."""
+
+_ORDER = {row.name: number for number, row in enumerate(interface.TOPICS)}
+
+
+def _by_topic(entry: tuple[int, str, Value]) -> int:
+    return entry[0]
+
+
+class Shell(Node):
+    """A node around one component.
+
+    Parameters
+    ----------
+    role
+        Which node of the wiring table this is, with ``/`` for modules: ``front_left/wheel_module``.
+    context
+        The ROS context it lives in.
+    namespace
+        Namespace of the node; None takes it from the command line.
+    """
+
+    def __init__(self, role: str, *, context: Context, namespace: str | None = None, arguments: list[str] | None = None) -> None:
+        super().__init__(
+            role.split('/')[-1],
+            context=context,
+            namespace=namespace,
+            cli_args=arguments,
+            use_global_arguments=arguments is None,
+        )
+        self.role = role
+        self.finished = False
+        self.gate = Gate(())
+        self.now = 0
+        self._opened = 0.0
+        self.pacing = declare(self, PacingParameters)
+        self.lockstep = self.pacing.pacing == 'lockstep'
+        self._inbox: deque[tuple[int, str, Value]] = deque(maxlen=INBOX)
+        self._warned: dict[str, float] = {}
+
+    @property
+    def vehicle_namespace(self) -> str:
+        """The namespace of the vehicle: that of the node, less the name of the wheel."""
+        namespace = self.get_namespace().rstrip('/')
+        wheel = self.role.split('/')[0] if '/' in self.role else ''
+        return namespace.removesuffix(f'/{wheel}') if wheel else namespace
+
+    @property
+    def full_name(self) -> str:
+        """The name of the node with its namespace."""
+        return f'{self.get_namespace().rstrip("/")}/{self.get_name()}'
+
+    def attach(self, component: Component) -> None:
+        """Make the ports of a component and begin to serve it."""
+        self.component = component
+        sources = component.sources
+        if self.lockstep and interface.DRIVER in self.pacing.participants and self.subscribes('driver/step'):
+            sources = (*sources, 'driver/step')
+        self.gate = Gate(sources)
+        self.connect()
+        for row in interface.TOPICS:
+            if self.subscribes(row.name) and row.name != 'ready':
+                subscribe_to(self, row, self.vehicle_namespace, self._taker(row))
+
+    def connect(self) -> None:
+        """Make the publishers of this node."""
+        rows = [row for row in interface.TOPICS if self.publishes(row.name)]
+        self._ports = {row.name: (publish_on(self, row, self.vehicle_namespace), row.type) for row in rows}
+        publishers = [publisher for publisher, _ in self._ports.values()]
+        self._handshake = Handshake(self, self.role, self.vehicle_namespace, self.pacing.participants, publishers)
+
+    def publishes(self, topic: str) -> bool:
+        """Whether this node publishes on ``topic``."""
+        return self.role in interface.topic(topic).publishers
+
+    def subscribes(self, topic: str) -> bool:
+        """Whether this node subscribes to ``topic``."""
+        return self.role in interface.topic(topic).subscribers
+
+    def _taker(self, row: interface.Topic) -> Callable[[bytes], None]:
+        """Return the callback of one subscription."""
+        name, type_name = row.name, row.type
+
+        def take(data: bytes) -> None:
+            try:
+                value = decode(type_name, data)
+            except MessageError as error:
+                self.warn(f'{name}: {error}; the message is dropped')
+                return
+            self.take(name, value)
+
+        return take
+
+    def take(self, topic: str, value: Value) -> None:
+        """Keep a message for the cycle that it belongs to, and act when that is complete."""
+        self._inbox.append((_ORDER[topic], topic, value))
+        if topic == self.component.beat:
+            self.gate.open(value.stamp)
+            self._opened = time.monotonic()
+        elif isinstance(value, Step):
+            self.gate.announce(name for name in value.topics if self.subscribes(name))
+            self.gate.answer(topic, value.stamp)
+        else:
+            self.gate.hear(topic)
+            self.gate.answer(topic, value.stamp)
+        self.act()
+
+    def act(self) -> None:
+        """Let the component act if its cycle is complete."""
+        stamp = self.gate.ready()
+        if stamp is None:
+            return
+        missing = self.gate.missing()
+        self.gate.close()
+        self.now = stamp
+        self.hand_over()
+        self.publish(self.component.step(stamp, missing))
+
+    def hand_over(self) -> None:
+        """Hand the messages that wait to the component: always in the same order, whatever order they came in."""
+        waiting = sorted(self._inbox, key=_by_topic)
+        self._inbox.clear()
+        for _, topic, value in waiting:
+            self.component.receive(topic, value, self.now)
+
+    def publish(self, outputs: list[Output]) -> None:
+        """Publish what a component has to say."""
+        for topic, value in outputs:
+            self.say(topic, value)
+
+    def say(self, topic: str, value: Value | Text) -> None:
+        """Publish one message."""
+        publisher, type_name = self._ports[topic]
+        publisher.publish(encode(type_name, value))
+
+    def poll(self) -> None:
+        """Do what no message calls for: the handshake, and the end of a wait that takes too long."""
+        if not self._handshake.done and self._handshake.complete():
+            self.say('ready', Text(self.role))
+        if self.lockstep and self.gate.waiting and time.monotonic() - self._opened > self.pacing.wait_limit:
+            self.warn(f'no answer from {", ".join(self.gate.missing()) or "the driver"} for {self.pacing.wait_limit:g} s; going on without')
+            self.gate.give_up()
+            self.act()
+
+    def wait(self) -> float:
+        """Return for how long there is nothing to do but to take messages [s]."""
+        return 0.05
+
+    def end(self) -> None:
+        """Finish what must not be left half done; called once, before the node is destroyed."""
+
+    def warn(self, message: str) -> None:
+        """Log a warning, the same one at most every few seconds."""
+        now = time.monotonic()
+        if now - self._warned.get(message, -WARN_PERIOD) >= WARN_PERIOD:
+            self._warned = {text: when for text, when in self._warned.items() if now - when < WARN_PERIOD}
+            self._warned[message] = now
+            self.get_logger().warning(message)
+
+
+class StartError(OmniVehicleError):
+    """A node could not start, or stopped for want of the others."""

@@ -1,0 +1,49 @@
+"""Node ``wheel_module``: run it four times, in the namespaces front_left, front_right, rear_left and rear_right."""
+
+import sys
+
+from rclpy.context import Context
+from rclpy.node import Node
+
+from omni_vehicle_ros import interface
+from omni_vehicle_ros.components.wheel_module import WheelModule
+from omni_vehicle_ros.errors import ParameterError
+from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.process import run
+from omni_vehicle_ros.nodes.shell import Shell
+from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters, WheelModuleParameters
+from omni_vehicle_ros.wheels import WHEELS
+
+
+class WheelModuleNode(Shell):
+    """Set-points and trims in, what the actuators of one wheel do out."""
+
+    def __init__(self, context: Context, namespace: str | None = None) -> None:
+        super().__init__('wheel_module', context=context, namespace=namespace)
+        wheel = wheel_of(self)
+        self.role = f'{wheel}/wheel_module'
+        vehicle = declare(self, VehicleParameters)
+        parameters = declare(self, WheelModuleParameters)
+        period = declare(self, PlantParameters, only=('control_period',)).control_period
+        trimmed = interface.SIDE_SLIP_CONTROLLER in self.pacing.participants
+        self.attach(WheelModule(wheel, parameters, vehicle, period, trimmed=trimmed, name=self.full_name))
+
+
+def wheel_of(node: Node) -> str:
+    """Return which wheel a node is for: its parameter ``wheel``, else the end of its namespace.
+
+    Raises
+    ------
+    ParameterError
+        Neither names a wheel.
+    """
+    namespace = node.get_namespace().split('/')[-1]
+    wheel = str(node.declare_parameter('wheel', namespace).value)
+    if wheel not in WHEELS:
+        raise ParameterError(f'wheel: {wheel!r} is not one of {", ".join(WHEELS)}; run in such a namespace or set -p wheel:=front_left')
+    return wheel
+
+
+def main() -> None:
+    """Run the node until a signal comes."""
+    sys.exit(run(lambda context: [WheelModuleNode(context)]))

@@ -1,0 +1,91 @@
+"""A run in plain Python, without ROS: the components called one after the other, in lock step."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from omni_vehicle_ros import interface
+from omni_vehicle_ros.bags.writer import BagWriter
+from omni_vehicle_ros.components.component import OK, Component, Output, Reporter
+from omni_vehicle_ros.components.driver import Driver
+from omni_vehicle_ros.components.icr_steering import IcrSteering
+from omni_vehicle_ros.components.journal import Journal
+from omni_vehicle_ros.components.plant import Plant
+from omni_vehicle_ros.components.side_slip_controller import SideSlipController
+from omni_vehicle_ros.components.wheel_module import WheelModule
+from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER, TOPICS, WHEEL_MODULES
+from omni_vehicle_ros.messages import encode
+from omni_vehicle_ros.scenarios import Scenario
+from omni_vehicle_ros.wheels import WHEELS
+
+ACKNOWLEDGE = 8
+
+
+class Simulation:
+    """All components of a scenario.
+
+    Parameters
+    ----------
+    scenario
+        What is run.
+    take
+        Called with every message, in the order in which it is said.
+    """
+
+    def __init__(self, scenario: Scenario, take: Callable[[Output], None]) -> None:
+        period = scenario.plant.control_period
+        self._take = take
+        self.end = scenario.cycles * round(period * 1e9)
+        self.plant = Plant(scenario.vehicle, scenario.plant)
+        modules = [
+            WheelModule(wheel, scenario.wheel_module, scenario.vehicle, period, trimmed=scenario.side_slip_control) for wheel in WHEELS
+        ]
+        # The order is that of the block diagram: who speaks first is heard by those after it in the same cycle.
+        self._chain: list[tuple[str, Component]] = [
+            (interface.DRIVER, Driver(scenario)),
+            (interface.ICR_STEERING, IcrSteering(scenario.vehicle, scenario.steering, period)),
+            *zip(WHEEL_MODULES, modules, strict=True),
+        ]
+        if scenario.side_slip_control:
+            self._chain.insert(2, (SIDE_SLIP_CONTROLLER, SideSlipController(scenario.side_slip)))
+        hearers = [*self._chain, (interface.PLANT, self.plant)]
+        self._hearers = {
+            row.name: [component for role, component in hearers if role in row.subscribers] for row in TOPICS
+        }
+        self._recorder = Reporter('/recorder')
+
+    def run(self, progress: Callable[[float], None] = lambda time: None) -> None:
+        """Run to the end of the scenario; call ``progress`` with the simulated time [s] now and then."""
+        self._say(0, self.plant.begin())
+        stamp = 0
+        while True:
+            for _, component in self._chain:
+                self._say(stamp, component.step(stamp))
+            if stamp % (ACKNOWLEDGE * self.plant.period) == 0:
+                self._say(stamp, self._recorder.report(stamp, OK, 'recording'))
+                progress(stamp / 1e9)
+            if stamp >= self.end:
+                break
+            outputs = self.plant.step(stamp)
+            stamp += self.plant.period
+            self._say(stamp, outputs)
+        progress(stamp / 1e9)
+
+    def _say(self, now: int, outputs: list[Output]) -> None:
+        """Hand messages to those who subscribe to them, as their nodes would do."""
+        for output in outputs:
+            self._take(output)
+            for component in self._hearers[output.topic]:
+                component.receive(output.topic, output.value, now)
+
+
+def simulate(scenario: Scenario, bag: Path, progress: Callable[[float], None] = lambda time: None) -> Journal:
+    """Run a scenario offline and write its bag; return what the recording counted."""
+    writer = BagWriter(bag)
+    journal = Journal(writer, '', round(scenario.plant.control_period * 1e9))
+    types = {row.name: row.type for row in TOPICS}
+    try:
+        Simulation(scenario, lambda output: journal.add(output.topic, encode(types[output.topic], output.value))).run(progress)
+    finally:
+        journal.flush()
+        writer.close()
+    return journal

@@ -1,0 +1,47 @@
+"""Build of the ament_python package ``omni_vehicle_ros`` (colcon and pip both read this file)."""
+
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+PACKAGE = 'omni_vehicle_ros'
+ROOT = Path(__file__).resolve().parent
+RUN_TIME = ['jinja2', 'matplotlib', 'mcap', 'numpy', 'pyyaml', 'rich', 'rosbags', 'scipy', 'setuptools', 'typer']
+EXECUTABLES = (
+    'omni_vehicle', 'driver', 'icr_steering', 'plant', 'recorder', 'side_slip_controller', 'vehicle', 'wheel_module',
+)
+
+
+def share_files(folder: str) -> list[tuple[str, list[str]]]:
+    """Return `folder` and its sub-folders as data files below ``share/omni_vehicle_ros``."""
+    files = sorted(path.relative_to(ROOT) for path in (ROOT / folder).rglob('*') if path.suffix in ('.py', '.yaml'))
+    parents = sorted({path.parent for path in files})
+    return [(f'share/{PACKAGE}/{parent}', [str(path) for path in files if path.parent == parent]) for parent in parents]
+
+
+setup(
+    name=PACKAGE,
+    version='0.1.0',
+    description='Steer-by-wire suite for a road vehicle with four-wheel independent steering',
+    license='Apache-2.0',
+    author='The omni_vehicle_ros authors',
+    maintainer='The omni_vehicle_ros authors',
+    maintainer_email='maintainers@omni-vehicle-ros.invalid',
+    python_requires='>=3.10',
+    packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
+    package_data={f'{PACKAGE}.analysis': ['templates/*.j2']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
+        (f'share/{PACKAGE}', ['package.xml']),
+        *share_files('config'),
+        *share_files('launch'),
+    ],
+    install_requires=RUN_TIME,
+    extras_require={'test': ['hypothesis', 'pytest']},
+    zip_safe=True,
+    entry_points={
+        'console_scripts': [
+            *(f'{name} = {PACKAGE}.executables:{name}' for name in EXECUTABLES),
+        ],
+    },
+)

@@ -1,0 +1,106 @@
+"""The launch file, run with stand-ins: launch and launch_ros exist only where ROS is installed."""
+
+import runpy
+import sys
+from types import ModuleType, SimpleNamespace
+
+import pytest
+
+from omni_vehicle_ros.parameters import PacingParameters
+from omni_vehicle_ros.wheels import WHEELS
+
+
+class Recorded:
+    """Keeps the arguments that it was made with."""
+
+    def __init__(self, *arguments, **keywords):
+        self.arguments = arguments
+        self.__dict__.update(keywords)
+
+
+class Configuration(Recorded):
+    """A launch configuration; the context of this stand-in is a dictionary."""
+
+    def perform(self, context):
+        return context[self.arguments[0]]
+
+
+@pytest.fixture
+def launch_file(root, monkeypatch):
+    parts = {
+        'launch': ('LaunchContext', 'LaunchDescription'),
+        'launch.actions': ('DeclareLaunchArgument', 'OpaqueFunction'),
+        'launch.substitutions': ('LaunchConfiguration', 'PathJoinSubstitution'),
+        'launch_ros': (),
+        'launch_ros.actions': ('Node',),
+        'launch_ros.substitutions': ('FindPackageShare',),
+    }
+    for name, classes in parts.items():
+        module = ModuleType(name)
+        for each in classes:
+            setattr(module, each, Configuration if each == 'LaunchConfiguration' else type(each, (Recorded,), {}))
+        monkeypatch.setitem(sys.modules, name, module)
+    return SimpleNamespace(**runpy.run_path(str(root / 'launch' / 'vehicle.launch.py')))
+
+
+def started(launch_file, **values):
+    """Return the nodes by their full names."""
+    context = {'namespace': '', 'record': '', 'publish_clock': 'true', **values}
+    nodes = launch_file.nodes(context)
+    assert all(node.name == node.executable and node.package == 'omni_vehicle_ros' for node in nodes)
+    return {f'{node.namespace}/{node.name}': node for node in nodes}
+
+
+def own(node):
+    """Return the parameters that the launch file sets itself."""
+    return node.parameters[-1]
+
+
+def test_arguments_and_their_defaults(launch_file):
+    entities = launch_file.generate_launch_description().arguments[0]
+    arguments = {each.arguments[0]: each for each in entities if type(each).__name__ == 'DeclareLaunchArgument'}
+    assert set(arguments) == {'namespace', 'params_file', 'use_sim_time', 'record', 'pacing', 'publish_clock'}
+    assert arguments['params_file'].default_value.arguments[0][1:] == ['config', 'vehicle.yaml']
+    assert arguments['pacing'].default_value == 'realtime'
+    assert arguments['use_sim_time'].default_value == 'false'
+    assert arguments['namespace'].default_value == arguments['record'].default_value == ''
+    assert entities[-1].function is launch_file.nodes
+
+
+def test_all_participants_start(launch_file):
+    assert set(started(launch_file)) == {f'/{role}' for role in PacingParameters().participants}
+
+
+@pytest.mark.parametrize('namespace', ['car', '/car', '/fleet/car/'])
+def test_namespace_holds_the_whole_vehicle(launch_file, namespace):
+    prefix = namespace.rstrip('/')
+    assert set(started(launch_file, namespace=namespace)) == {f'{prefix}/{role}' for role in PacingParameters().participants}
+
+
+def test_wheel_modules_differ_by_namespace_only(launch_file):
+    modules = [node for node in started(launch_file).values() if node.name == 'wheel_module']
+    assert [node.namespace.strip('/') for node in modules] == list(WHEELS)
+    assert all(own(node).keys() == own(modules[0]).keys() for node in modules)
+
+
+def test_recorder_starts_when_asked_and_is_then_waited_for(launch_file):
+    nodes = started(launch_file, record='some/bag')
+    assert own(nodes['/recorder'])['directory'] == 'some/bag'
+    assert all(own(node)['participants'] == [*PacingParameters().participants, 'recorder'] for node in nodes.values())
+    assert 'recorder' not in own(started(launch_file)['/plant'])['participants']
+
+
+@pytest.mark.parametrize(('text', 'value'), [('true', True), ('false', False)])
+def test_plant_and_recorder_know_whose_the_clock_is(launch_file, text, value):
+    nodes = started(launch_file, publish_clock=text, record='some/bag')
+    assert {name: own(node)['publish_clock'] for name, node in nodes.items() if 'publish_clock' in own(node)} == {
+        '/plant': value,
+        '/recorder': value,
+    }
+
+
+def test_the_file_comes_before_the_arguments(launch_file):
+    for node in started(launch_file).values():
+        assert node.parameters[0].arguments == ('params_file',)
+        assert own(node)['pacing'].arguments == ('pacing',)
+        assert own(node)['use_sim_time'].arguments == ('use_sim_time',)
