@@ -51,6 +51,6 @@ $(DEPENDENCIES): requirements.lock
 	  || $(BIN)/python -m pip -qq install --use-pep517 $(LOCKED)
 	@touch $@
 
-$(SETUP): $(DEPENDENCIES) setup.py setup.cfg package.xml pyproject.toml scripts/link_package.sh
+$(SETUP): $(DEPENDENCIES) setup.py setup.cfg scripts/link_package.sh
 	@sh scripts/link_package.sh $(VENV)
 	@touch $@

@@ -272,8 +272,8 @@ _BY_NAME = {row.name: row for row in TOPICS}
 
 
 def resolve(name: str, namespace: str) -> str:
-    """Return the full name of a topic of the vehicle in ``namespace`` ('' or '/' for the root)."""
+    """Return the full name of what is called ``name`` in ``namespace`` ('' or '/' for the root)."""
     if name.startswith('/'):
         return name
     base = namespace.strip('/')
-    return f'/{base}/{name}' if base else f'/{name}'
+    return '/' + '/'.join(part for part in (base, name) if part)

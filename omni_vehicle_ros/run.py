@@ -1,6 +1,7 @@
 """Runs a scenario: processes, one process or plain Python; and always a bag, metrics and a report at the end."""
 
 import json
+import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -48,6 +49,18 @@ class RunResult:
 def participants(scenario: Scenario) -> tuple[str, ...]:
     """Return the nodes that a scenario needs."""
     return tuple(node for node in NODES if node != SIDE_SLIP_CONTROLLER or scenario.side_slip_control)
+
+
+def check_namespace(namespace: str) -> None:
+    """Check that ROS takes a namespace.
+
+    Raises
+    ------
+    RunError
+        It has something other than letters, digits and underscores between slashes.
+    """
+    if not re.fullmatch(r'/?([A-Za-z_]\w*(/[A-Za-z_]\w*)*)?/?', namespace, re.ASCII):
+        raise RunError(f'--namespace: {namespace!r} must be letters, digits and underscores between slashes, such as car1')
 
 
 def new_directory(directory: Path) -> Path:
@@ -99,6 +112,7 @@ def run_scenario(
     """
     if mode == 'offline' and pacing == 'realtime':
         raise RunError('mode offline has no wall clock; choose --pacing lockstep, or --mode processes')
+    check_namespace(namespace)
     new_directory(directory)
     (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
     began = time.monotonic()
@@ -138,6 +152,7 @@ def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', p
     from omni_vehicle_ros.graph import Graph
 
     nodes = tuple(node for node in participants(scenario) if node != DRIVER)
+    check_namespace(namespace)
     new_directory(directory)
     (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
     graph = Graph(

@@ -21,7 +21,8 @@ from omni_vehicle_ros import messages
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import decode, encode
 from omni_vehicle_ros.messages.cdr import HEADER
-from omni_vehicle_ros.messages.codecs import CODECS, KEPT_LAYOUTS
+from omni_vehicle_ros.messages.codec import KEPT_LAYOUTS
+from omni_vehicle_ros.messages.codecs import CODECS
 
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")  # rosidl imports lark
 
@@ -243,7 +244,8 @@ def test_what_rclpy_writes_is_decoded(type_name, data):
 def test_bytes_are_those_of_rosbags(type_name, data):
     content = encode(type_name, data.draw(CASES[type_name][1]))
     message = TYPESTORE.deserialize_cdr(content, type_name)
-    assert bytes(TYPESTORE.serialize_cdr(message, type_name)) == content
+    expected = bytes(TYPESTORE.serialize_cdr(message, type_name))
+    assert content == expected + bytes(-len(expected) % 4)  # whole words, as on the wire
 
 
 @pytest.mark.parametrize('type_name', TYPES)
@@ -285,7 +287,7 @@ def test_padding_at_the_end_is_ignored(type_name, data):
 def test_truncated_messages_are_refused(type_name, data):
     content = encode(type_name, data.draw(CASES[type_name][1]))
     with pytest.raises(MessageError, match=type_name):
-        decode(type_name, content[: data.draw(st.integers(0, len(content) - 1))])
+        decode(type_name, content[: data.draw(st.integers(0, len(content) - 4))])  # 3 may be padding
 
 
 @pytest.mark.parametrize('type_name', TYPES)
@@ -403,7 +405,7 @@ def test_orientation_need_not_have_unit_length(roll, heading, length):
     ],
 )
 def test_what_does_not_fit_is_refused(type_name, value):
-    with pytest.raises(MessageError):
+    with pytest.raises(MessageError, match=f'{type_name}: .* can not be encoded: .'):
         encode(type_name, value)
 
 

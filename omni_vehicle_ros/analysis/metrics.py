@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from omni_vehicle_ros.analysis.signals import Array, last_window, peak, steady_state, step_metrics
+from omni_vehicle_ros.analysis.topics import columns, friction
 from omni_vehicle_ros.bags import Bag
 from omni_vehicle_ros.model.tyre import Region, lateral_capacity, region
 from omni_vehicle_ros.parameters import VehicleParameters
@@ -29,7 +30,7 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
     Parameters
     ----------
     bag
-        A bag with odom, tyres/side_slip, tyres/force and environment/friction.
+        A bag with odom, tyres/side_slip and tyres/force.
     vehicle
         The vehicle of the run, for the critical slips of its tyres; the thesis's if not given.
 
@@ -48,9 +49,9 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
     Raises
     ------
     BagError
-        A topic is missing.
+        A topic is missing or has no messages.
     """
-    odom, slip, force = bag['odom'], bag['tyres/side_slip'], bag['tyres/force']
+    odom, slip, force = columns(bag, 'odom'), columns(bag, 'tyres/side_slip'), columns(bag, 'tyres/force')
     reason = unsteady_reason(bag, vehicle or VehicleParameters())
     steady = reason is None
     return {
@@ -61,7 +62,7 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
         'speed': _speed(odom.vx),
         'yaw_rate': {'steady_state': steady_state(odom.stamp, odom.yaw_rate, YAW_RATE_FLOOR) if steady else None},
         'path': {
-            'final': [_finite(values[-1]) if len(values) else None for values in (odom.x, odom.y, odom.heading)],
+            'final': [_finite(values[-1]) for values in (odom.x, odom.y, odom.heading)],
             'radius': path_radius(odom.stamp, odom.vx, odom.vy, odom.yaw_rate) if steady else None,
         },
         'friction_use': {wheel: {'peak': peak(slip.effort[:, i])} for i, wheel in enumerate(WHEELS)},
@@ -85,9 +86,9 @@ def unsteady_reason(bag: Bag, vehicle: VehicleParameters) -> str | None:
 
 def _region(bag: Bag, vehicle: VehicleParameters, wheel: int) -> Region:
     """Return where on its curve the tyre of a wheel works at the end."""
-    slip, force, friction = bag['tyres/side_slip'], bag['tyres/force'], bag['environment/friction']
+    slip, force = bag['tyres/side_slip'], bag['tyres/force']
     long_force, _, load = force.forces[-1, wheel]
-    capacity = lateral_capacity(float(friction.effort[-1, wheel] * load), float(long_force))
+    capacity = lateral_capacity(float(friction(bag)[1][-1, wheel] * load), float(long_force))
     angle, speed = float(slip.position[-1, wheel]), float(slip.velocity[-1, wheel])
     return region(angle, speed, capacity, vehicle.cornering_stiffness, vehicle.adhesion_reduction)
 
@@ -117,7 +118,7 @@ def path_radius(time: Array, vx: Array, vy: Array, yaw_rate: Array) -> float | N
 
 
 def _speed(vx: Array) -> dict[str, float | None]:
-    initial, final = (_finite(vx[0]), _finite(vx[-1])) if len(vx) else (None, None)
+    initial, final = _finite(vx[0]), _finite(vx[-1])
     ratio = final / initial if final is not None and initial else None
     return {'initial': initial, 'final': final, 'ratio': None if ratio is None else _finite(ratio)}
 

@@ -15,11 +15,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _OVERHANG = 0.6
-_WHEEL_WIDTH = 0.26
+_WHEEL_WIDTH = 0.36
 _BODY = '#eef2f6'
 _GAP = 1.25
 _MOST = 18
-_TURN = np.radians(60.0)
 _FARTHEST_ICR = 20.0
 
 
@@ -39,7 +38,7 @@ class _Sight(NamedTuple):
 def plot_path(bag: Bag, axes: 'Axes', vehicle: VehicleParameters | None = None) -> None:
     """Draw the path of the centre of gravity from above, and the vehicle and its steered wheels along it.
 
-    Where it turns most, thin lines join the wheels with its instantaneous centre of rotation.
+    In the middle of its turns thin lines join the wheels with its instantaneous centre of rotation.
 
     Parameters
     ----------
@@ -53,46 +52,52 @@ def plot_path(bag: Bag, axes: 'Axes', vehicle: VehicleParameters | None = None) 
     vehicle = vehicle or VehicleParameters()
     odom = bag['odom']
     axes.plot(odom.x[::5], odom.y[::5], color=INK, linewidth=1.0, zorder=2)
-    sights = [_sight(bag, index) for index in snapshots(odom.x, odom.y, odom.heading, vehicle)]
+    sights = [_sight(bag, index) for index in snapshots(odom.x, odom.y, vehicle)]
     turning = [sight for sight in sights if _icr_distance(sight) < _FARTHEST_ICR]
     if turning:
-        _draw_icr(axes, min(turning, key=_icr_distance), vehicle)
+        _draw_icr(axes, turning[len(turning) // 2], vehicle)
     for sight in sights:
         _draw_vehicle(axes, sight, vehicle)
-    for sight, text in ((sights[0], 'start'), (sights[-1], f'{sights[-1].time:.0f} s')):
-        axes.annotate(
-            text, (sight.x, sight.y), (0, -22), textcoords='offset points', ha='center', va='top', color=INK, zorder=9
-        )
+        _write_time(axes, sight, vehicle)
     axes.set_aspect('equal', adjustable='datalim')
-    axes.margins(0.04)
+    axes.margins(0.06)
     axes.set_xlabel('x [m]')
     axes.set_ylabel('y [m]')
 
 
-def snapshots(x: Array, y: Array, heading: Array, vehicle: VehicleParameters) -> list[int]:
+def snapshots(x: Array, y: Array, vehicle: VehicleParameters) -> list[int]:
     """Return the samples at which to draw the vehicle: the first, the last, and some in between.
 
-    They lie more than a vehicle's length apart, or a part of a turn on the spot; about 18 at most.
+    They lie more than a vehicle's length apart, so that no drawing hides another; there are 20 at most.
     """
     moved = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
-    turned = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(np.unwrap(heading))))])
     gap = max(_GAP * (vehicle.wheelbase + 2 * _OVERHANG), moved[-1] / _MOST)
     chosen = [0]
     for index in range(1, len(x)):
-        far = moved[index] - moved[chosen[-1]]
-        if far >= gap or (far < 0.1 * gap and turned[index] - turned[chosen[-1]] >= _TURN):
+        if moved[index] - moved[chosen[-1]] >= gap:
             chosen.append(index)
     last = len(x) - 1
-    if len(chosen) > 1 and moved[last] - moved[chosen[-1]] < 0.7 * gap:
-        chosen.pop()
-    return [*chosen, last]
+    clear = [index for index in chosen if np.hypot(x[index] - x[last], y[index] - y[last]) > 0.8 * gap]
+    return [*_first_at_each_place(clear, x, y, 0.8 * gap), last]
+
+
+def _first_at_each_place(chosen: list[int], x: Array, y: Array, gap: float) -> list[int]:
+    """Leave out where the vehicle comes by again."""
+    kept: list[int] = []
+    for index in chosen:
+        if all(np.hypot(x[index] - x[other], y[index] - y[other]) > gap for other in kept):
+            kept.append(index)
+    return kept
 
 
 def _sight(bag: Bag, index: int) -> _Sight:
     odom, joints = bag['odom'], bag['joint_states']
     row = min(int(np.searchsorted(joints.stamp, odom.stamp[index] - 1e-9)), len(joints.stamp) - 1)
-    pose = (odom.x[index], odom.y[index], odom.heading[index], odom.vx[index], odom.vy[index], odom.yaw_rate[index])
-    return _Sight(float(odom.stamp[index]), *map(float, pose), tuple(joints.position[row, :4].tolist()))
+    return _Sight(
+        float(odom.stamp[index]), float(odom.x[index]), float(odom.y[index]), float(odom.heading[index]),
+        float(odom.vx[index]), float(odom.vy[index]), float(odom.yaw_rate[index]),
+        tuple(joints.position[row, :4].tolist()),
+    )
 
 
 def _icr_distance(sight: _Sight) -> float:
@@ -107,13 +112,28 @@ def _draw_icr(axes: 'Axes', sight: _Sight, vehicle: VehicleParameters) -> None:
         wheel = frame.transform((x, y))
         axes.plot(*zip(wheel, icr, strict=True), color=ACCENT, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
     axes.plot(*icr, marker='o', markersize=4, color=ACCENT, zorder=3)
-    axes.annotate('ICR', tuple(icr), (6, 4), textcoords='offset points', color=ACCENT, zorder=3)
+    away = icr - np.array((sight.x, sight.y))
+    offset = 14.0 * away / np.hypot(*away)
+    axes.annotate(
+        'ICR', tuple(icr), tuple(offset), textcoords='offset points', ha='center', va='center', color=ACCENT, zorder=3
+    )
+
+
+def _write_time(axes: 'Axes', sight: _Sight, vehicle: VehicleParameters) -> None:
+    frame = Affine2D().rotate(sight.heading).translate(sight.x, sight.y)
+    beside = 0.5 * max(vehicle.front_track, vehicle.rear_track) + 0.35
+    outside = -1.0 if sight.yaw_rate >= 0.0 else 1.0
+    direction = Affine2D().rotate(sight.heading).transform((0.0, outside))
+    axes.annotate(
+        f'{sight.time:.0f} s', tuple(frame.transform((0.0, outside * beside))), tuple(9.0 * direction),
+        textcoords='offset points', ha='center', va='center', color=MUTED, fontsize=8.0, zorder=3,
+    )
 
 
 def _draw_vehicle(axes: 'Axes', sight: _Sight, vehicle: VehicleParameters) -> None:
     frame = Affine2D().rotate(sight.heading).translate(sight.x, sight.y) + axes.transData
     front, rear = vehicle.cg_to_front_axle, -vehicle.cg_to_rear_axle
-    width = max(vehicle.front_track, vehicle.rear_track) - 0.1
+    width = max(vehicle.front_track, vehicle.rear_track)
     corner, length = (rear - _OVERHANG, -0.5 * width), front - rear + 2 * _OVERHANG
     body = FancyBboxPatch(
         corner, length, width, boxstyle='round,pad=0.0,rounding_size=0.4', transform=frame,
@@ -121,12 +141,11 @@ def _draw_vehicle(axes: 'Axes', sight: _Sight, vehicle: VehicleParameters) -> No
     )
     axes.add_patch(body)
     nose = front + _OVERHANG
-    screen = [(nose - 0.75, -0.40 * width), (nose - 0.75, 0.40 * width), (nose - 1.25, 0.33 * width), (nose - 1.25, -0.33 * width)]
+    low, high = nose - 1.25, nose - 0.75
+    screen = [(high, -0.4 * width), (high, 0.4 * width), (low, 0.33 * width), (low, -0.33 * width)]
     axes.add_patch(Polygon(screen, transform=frame, facecolor='#cbd2d9', edgecolor='none', zorder=5))
     radius = vehicle.wheel_radius
     for x, y, angle, colour in zip(vehicle.wheel_x, vehicle.wheel_y, sight.steer_angles, WHEEL_COLOURS, strict=True):
         place = Affine2D().rotate(angle).translate(x, y) + frame
-        axes.add_patch(Rectangle(
-            (-radius, -0.5 * _WHEEL_WIDTH), 2 * radius, _WHEEL_WIDTH, transform=place, facecolor=colour, edgecolor='white',
-            linewidth=0.4, zorder=6,
-        ))
+        corner = (-radius, -0.5 * _WHEEL_WIDTH)
+        axes.add_patch(Rectangle(corner, 2 * radius, _WHEEL_WIDTH, transform=place, facecolor=colour, zorder=6))

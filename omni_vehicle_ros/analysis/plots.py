@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from omni_vehicle_ros.analysis.path import plot_path
 from omni_vehicle_ros.analysis.signals import Array
 from omni_vehicle_ros.analysis.style import ACCENT, INK, MUTED, SECOND, WHEEL_COLOURS, line
+from omni_vehicle_ros.analysis.topics import friction, has
 from omni_vehicle_ros.bags import Bag
 from omni_vehicle_ros.scenarios import Scenario
 from omni_vehicle_ros.wheels import WHEELS
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _WIDTH = 5.6
-_ROW = 1.55
+_HEIGHT = 3.7
+_SMALLEST_RANGE = 0.4
 _COMMAND = (0, (4, 2))
 
 
@@ -41,10 +43,10 @@ def draw_plots(bag: Bag, scenario: Scenario) -> list[Plot]:
     plots = [_path(bag, scenario)]
     for draw in (_speed, _side_slip, _steer_angles, _friction_use, _loads, _forces, _body):
         plots.append(draw(bag))
-    if any(topic in bag.topics for topic in ('environment/bank', 'environment/wind', 'environment/friction')):
+    if any(has(bag, topic) for topic, _, _ in _ENVIRONMENT):
         plots.append(_environment(bag))
     for plot in plots[1:]:
-        _mark(plot.figure, [command.at for command in scenario.commands if command.at > 0.0])
+        _tidy(plot.figure, [command.at for command in scenario.commands if command.at > 0.0])
     return plots
 
 
@@ -55,11 +57,12 @@ def _path(bag: Bag, scenario: Scenario) -> Plot:
     figure = Figure(figsize=(7.6, float(np.clip(height, 2.4, 8.0))))
     axes = figure.add_subplot()
     plot_path(bag, axes, scenario.vehicle)
-    return Plot('path', 'Path from above', 'The vehicle, its steered wheels, and its centre of rotation where it turns most.', figure)
+    text = 'The vehicle, its steered wheels, and its centre of rotation (ICR) in the middle of its turns.'
+    return Plot('path', 'Path from above', text, figure)
 
 
-def _rows(labels: tuple[str, ...], height: float = _ROW) -> tuple[Figure, list['Axes']]:
-    figure = Figure(figsize=(_WIDTH, 0.6 + height * len(labels)), layout='constrained')
+def _rows(*labels: str) -> tuple[Figure, list['Axes']]:
+    figure = Figure(figsize=(_WIDTH, _HEIGHT), layout='constrained')
     grid = figure.subplots(len(labels), 1, sharex=True, squeeze=False)
     rows = [row[0] for row in grid]
     for axes, label in zip(rows, labels, strict=True):
@@ -76,18 +79,23 @@ def _each_wheel(axes: 'Axes', time: Array, signals: Array) -> None:
     axes.set_xlim(time[0], time[-1])
 
 
-def _mark(figure: Figure, times: list[float]) -> None:
+def _tidy(figure: Figure, times: list[float]) -> None:
+    """Mark the times of the commands, and show what is next to nothing as nothing."""
     for axes in figure.axes:
+        low, high = axes.get_ylim()
+        if high - low < _SMALLEST_RANGE:
+            middle = 0.5 * (low + high)
+            axes.set_ylim(middle - 0.5 * _SMALLEST_RANGE, middle + 0.5 * _SMALLEST_RANGE)
         for time in times:
             axes.axvline(time, color=MUTED, linewidth=0.6, linestyle=(0, (1, 2)), zorder=0)
 
 
 def _speed(bag: Bag) -> Plot:
     odom = bag['odom']
-    figure, (speed, yaw) = _rows(('speed [m/s]', 'yaw rate [°/s]'))
+    figure, (speed, yaw) = _rows('speed [m/s]', 'yaw rate [°/s]')
     line(speed, odom.stamp, odom.vx, INK, 'forward')
     line(speed, odom.stamp, odom.vy, SECOND, 'lateral')
-    if 'driver/speed' in bag.topics:
+    if has(bag, 'driver/speed'):
         said = bag['driver/speed']
         speed.step(said.stamp, said.vx, where='post', color=ACCENT, linestyle=_COMMAND, linewidth=1.0, label='driver')
     line(yaw, odom.stamp, np.degrees(odom.yaw_rate), INK)
@@ -98,18 +106,18 @@ def _speed(bag: Bag) -> Plot:
 
 def _side_slip(bag: Bag) -> Plot:
     slip = bag['tyres/side_slip']
-    figure, (axes,) = _rows(('side slip [°]',), 2.5)
+    figure, (axes,) = _rows('side slip [°]')
     _each_wheel(axes, slip.stamp, np.degrees(slip.position))
     return Plot('side-slip', 'Side slip of the tyres', 'Positive where it makes a force to the left.', figure)
 
 
 def _steer_angles(bag: Bag) -> Plot:
     joints = bag['joint_states']
-    figure = Figure(figsize=(_WIDTH, 0.6 + 2 * _ROW), layout='constrained')
+    figure = Figure(figsize=(_WIDTH, _HEIGHT), layout='constrained')
     grid = figure.subplots(2, 2, sharex=True, sharey=True)
     for i, (axes, wheel) in enumerate(zip(grid.flat, WHEELS, strict=True)):
         line(axes, joints.stamp, np.degrees(joints.position[:, i]), WHEEL_COLOURS[i])
-        if f'{wheel}/command' in bag.topics:
+        if has(bag, f'{wheel}/command'):
             command = bag[f'{wheel}/command']
             line(axes, command.stamp, np.degrees(command.position[:, 0]), INK, linestyle=_COMMAND, linewidth=0.9)
         axes.set_title(wheel.replace('_', ' '), color=WHEEL_COLOURS[i], fontsize=8.5)
@@ -123,16 +131,17 @@ def _steer_angles(bag: Bag) -> Plot:
 
 def _friction_use(bag: Bag) -> Plot:
     slip = bag['tyres/side_slip']
-    figure, (axes,) = _rows(('friction use',), 2.1)
+    figure, (axes,) = _rows('friction use')
     _each_wheel(axes, slip.stamp, slip.effort)
     axes.axhline(1.0, color=MUTED, linewidth=0.8)
     axes.set_ylim(0.0, 1.08)
-    return Plot('friction-use', 'Friction use', 'Force in the road plane over friction times load; at 1 the tyre has no more to give.', figure)
+    text = 'Force in the road plane over friction times load; at 1 the tyre has no more to give.'
+    return Plot('friction-use', 'Friction use', text, figure)
 
 
 def _loads(bag: Bag) -> Plot:
     force = bag['tyres/force']
-    figure, (axes,) = _rows(('load [kN]',), 2.1)
+    figure, (axes,) = _rows('load [kN]')
     _each_wheel(axes, force.stamp, force.forces[:, :, 2] / 1e3)
     axes.set_ylim(bottom=0.0)
     return Plot('loads', 'Wheel loads', 'At 0 a wheel lifts off.', figure)
@@ -140,7 +149,7 @@ def _loads(bag: Bag) -> Plot:
 
 def _forces(bag: Bag) -> Plot:
     force = bag['tyres/force']
-    figure, (lateral, traction) = _rows(('lateral [kN]', 'traction [kN]'))
+    figure, (lateral, traction) = _rows('lateral [kN]', 'traction [kN]')
     _each_wheel(lateral, force.stamp, force.forces[:, :, 1] / 1e3)
     _each_wheel(traction, force.stamp, force.forces[:, :, 0] / 1e3)
     return Plot('forces', 'Tyre forces', 'In the frame of each wheel: to the left, and along it.', figure)
@@ -148,32 +157,42 @@ def _forces(bag: Bag) -> Plot:
 
 def _body(bag: Bag) -> Plot:
     imu = bag['imu']
-    figure, (acceleration, roll) = _rows(('acceleration [m/s²]', 'roll [°]'))
+    figure, (acceleration, roll) = _rows('acceleration [m/s²]', 'roll [°]')
     line(acceleration, imu.stamp, imu.ax, ACCENT, 'forward')
     line(acceleration, imu.stamp, imu.ay, INK, 'lateral')
     acceleration.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncol=2)
     line(roll, imu.stamp, np.degrees(imu.roll), INK)
     acceleration.set_xlim(imu.stamp[0], imu.stamp[-1])
-    return Plot('body', 'Acceleration and roll', 'What an accelerometer in the plane of the road feels; positive roll leans to the right.', figure)
+    text = 'What an accelerometer in the plane of the road feels; positive roll leans to the right.'
+    return Plot('body', 'Acceleration and roll', text, figure)
+
+
+def _bank(bag: Bag) -> tuple[Array, Array]:
+    return bag['environment/bank'].stamp, np.degrees(bag['environment/bank'].x)
+
+
+def _wind(bag: Bag) -> tuple[Array, Array]:
+    return bag['environment/wind'].stamp, bag['environment/wind'].y
+
+
+_ENVIRONMENT: tuple[tuple[str, str, Callable[[Bag], tuple[Array, Array]]], ...] = (
+    ('environment/bank', 'bank [°]', _bank),
+    ('environment/wind', 'wind [m/s]', _wind),
+    ('environment/friction', 'friction', friction),
+)
 
 
 def _environment(bag: Bag) -> Plot:
     end = bag['odom'].stamp[-1]
-    rows: list[tuple[str, str, Callable[[Bag], Array]]] = [
-        ('environment/bank', 'bank [°]', lambda bag: np.degrees(bag['environment/bank'].x)),
-        ('environment/wind', 'wind [m/s]', lambda bag: bag['environment/wind'].y),
-        ('environment/friction', 'friction', lambda bag: bag['environment/friction'].effort),
-    ]
-    there = [row for row in rows if row[0] in bag.topics]
-    figure, grid = _rows(tuple(label for _, label, _ in there), 1.05)
-    for axes, (topic, _, values) in zip(grid, there, strict=True):
-        time = np.append(bag[topic].stamp, end)
-        signal = values(bag)
-        signal = np.concatenate([signal, signal[-1:]])
-        for column, colour in zip(np.atleast_2d(signal.T), WHEEL_COLOURS if signal.ndim > 1 else (INK,), strict=False):
-            axes.step(time, column, where='post', color=colour)
+    there = [row for row in _ENVIRONMENT if has(bag, row[0])]
+    figure, grid = _rows(*(label for _, label, _ in there))
+    for axes, (_, _, read) in zip(grid, there, strict=True):
+        time, signal = read(bag)
+        colours = WHEEL_COLOURS if signal.ndim > 1 else (INK,)
+        for column, colour in zip(np.atleast_2d(signal.T), colours, strict=True):
+            axes.step(np.append(time, end), np.append(column, column[-1]), where='post', color=colour)
         low, high = min(0.0, float(np.min(signal))), max(0.0, float(np.max(signal)))
         room = 0.15 * (high - low) or 1.0
-        axes.set_ylim(low - room * (low < 0.0 or low == high), high + room)
+        axes.set_ylim(low - room if low < 0.0 or high == 0.0 else 0.0, high + room)
     grid[0].set_xlim(0.0, end)
     return Plot('environment', 'Environment', 'Bank and wind are positive where they push to the left.', figure)

@@ -82,13 +82,13 @@ def overshoot(signal: Array, steady: float) -> float:
     Parameters
     ----------
     signal
-        Values, shape (n,), n >= 2.
+        Values, shape (n,), some of them finite.
     steady
         Steady value, not 0.
     """
-    distance = signal[1:] - steady
+    distance = signal[1:][np.isfinite(signal[1:])] - steady
     past = -distance * np.sign(distance[0]) if distance[0] != 0.0 else np.abs(distance)
-    return max(0.0, float(np.nanmax(past))) / abs(steady)
+    return max(0.0, float(np.max(past))) / abs(steady)
 
 
 def settling_time(time: Array, signal: Array, steady: float, floor: float) -> float:
@@ -97,7 +97,7 @@ def settling_time(time: Array, signal: Array, steady: float, floor: float) -> fl
     The band is never narrower than +-``floor``; 0 if the signal is never outside.
     """
     outside = np.flatnonzero(~(np.abs(signal[1:] - steady) <= max(BAND * abs(steady), floor)))
-    return float(time[outside[-1] + 1] - time[0]) if len(outside) else 0.0
+    return round(float(time[outside[-1] + 1] - time[0]), 9) if len(outside) else 0.0
 
 
 def step_metrics(time: Array, signal: Array, floor: float, settled: bool = True) -> StepMetrics:

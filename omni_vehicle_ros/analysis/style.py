@@ -4,7 +4,8 @@ import io
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
@@ -25,7 +26,7 @@ ACCENT = '#009e73'
 SECOND = '#cc79a7'
 
 _BUCKETS = 400
-_STYLE = {
+_STYLE: Any = {
     'axes.edgecolor': MUTED,
     'axes.facecolor': PAPER,
     'axes.grid': True,
@@ -83,14 +84,14 @@ def thinned(time: Array, signal: Array) -> tuple[Array, Array]:
         return time, signal
     edges = np.linspace(0, count, _BUCKETS + 1).astype(int)
     keep = {0, count - 1}
-    for begin, end in zip(edges, edges[1:], strict=False):
+    for begin, end in pairwise(edges):
         part = signal[begin:end]
         keep.update((begin + int(np.argmin(part)), begin + int(np.argmax(part))))
     index = np.array(sorted(keep))
     return time[index], signal[index]
 
 
-def line(axes: 'Axes', time: Array, signal: Array, colour: str, label: str | None = None, **options: object) -> None:
+def line(axes: 'Axes', time: Array, signal: Array, colour: str, label: str | None = None, **options: Any) -> None:
     """Draw a thinned line."""
     axes.plot(*thinned(time, signal), color=colour, label=label, **options)
 

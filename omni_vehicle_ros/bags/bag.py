@@ -93,6 +93,9 @@ class Bag:
 
     def _read(self, name: str) -> Columns:
         type_name, messages = self.topics[name].type_name, self._messages.get(name, [])
+        others = {message.type_name for message in messages} - {type_name}
+        if others:
+            raise BagError(f'{self.path}: topic {name} has several types: {type_name}, {", ".join(sorted(others))}')
         if type_name not in VALUE_TYPES:
             raise BagError(f'{self.path}: topic {name} has the type {type_name}, which is not read here')
         try:

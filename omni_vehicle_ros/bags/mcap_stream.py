@@ -184,6 +184,8 @@ class _FileReader:
         try:
             if opcode == MESSAGE:
                 channel, _, log_time, _ = _MESSAGE.unpack_from(content)
+                if log_time >= 2**63:
+                    raise _DamageError(f'the time {log_time} ns is outside that of ROS, 0 .. 2^63 - 1')
                 topic, type_name = self._channels[channel]
                 return (RecordedMessage(topic, type_name, log_time, content[_MESSAGE.size :]),)
             if opcode == SCHEMA:
@@ -198,9 +200,10 @@ class _FileReader:
 
     def _add_channel(self, channel: int, schema: int, topic: str) -> None:
         type_name = self._schemas[schema] if schema else ''
+        if not (topic + type_name).isprintable():
+            raise _DamageError(f'topic {topic!r} of type {type_name!r} makes no sense')
         self._channels[channel] = topic, type_name
-        if self._types.setdefault(topic, type_name) != type_name:
-            raise BagError(f'topic {topic} has two types, {self._types[topic]} and {type_name}')
+        self._types.setdefault(topic, type_name)
 
 
 def _short(content: bytes, position: int) -> int:

@@ -1,13 +1,13 @@
 """What a bag says about the types in it, so that readers without ROS understand them."""
 
 from functools import cache
-from typing import NamedTuple
-
-from rosbags.typesys import Stores, get_typestore
-from rosbags.typesys.store import Typestore
+from typing import TYPE_CHECKING, NamedTuple
 
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.messages import VALUE_TYPES
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
 
 ENCODING = 'ros2msg'
 
@@ -37,5 +37,7 @@ def schema(type_name: str) -> Schema:
 
 
 @cache
-def _typestore() -> Typestore:
+def _typestore() -> 'Typestore':
+    from rosbags.typesys import Stores, get_typestore  # 0.2 s, of use to those who write only
+
     return get_typestore(Stores.ROS2_JAZZY)

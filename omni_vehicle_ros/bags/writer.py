@@ -1,4 +1,4 @@
-"""Writing a bag: a directory with one MCAP file and ``metadata.yaml``, as ``ros2 bag record -s mcap`` makes it."""
+"""Writing a bag: a directory with an MCAP file and ``metadata.yaml``, as ``ros2 bag record`` makes it."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -120,10 +120,10 @@ class BagWriter:
         self._last = max(self._last, log_time_ns)
 
     def flush(self) -> None:
-        """Hand all that was written to the system, from where it survives the end of this process by any cause."""
+        """Hand all that was written to the system, where it survives whatever ends this process."""
         self._check()
         try:
-            self._writer.flush()  # type: ignore[no-untyped-call]
+            self._writer.flush()
             if self._flushes % METADATA_EVERY == 0:
                 write_metadata(self.directory, self._information({}))
         except OSError as error:
@@ -143,7 +143,7 @@ class BagWriter:
         information = self._information(custom or {})
         try:
             self._writer.add_metadata('rosbag2', {'serialized_metadata': as_yaml(information)})
-            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._writer.finish()
             self._file.close()
             write_metadata(self.directory, information)
         except OSError as error:

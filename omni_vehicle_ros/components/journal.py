@@ -46,7 +46,7 @@ class Journal:
         self._index = {row.name: i for i, row in enumerate(rows)}
         self._cyclic = [row.cyclic for row in rows]
         self._last: dict[int, int] = {}
-        self._pending: list[tuple[int, int, int, bytes]] = []
+        self._pending: list[tuple[int, int, bytes | int, bytes]] = []
         for row, name in zip(rows, self._names, strict=True):
             writer.add_topic(name, row.type, row.qos)
 
@@ -61,7 +61,9 @@ class Journal:
             stamp = self.now
         if self._cyclic[index]:
             self._count(index, stamp)
-        self._pending.append((stamp, index, len(self._pending), data))
+        # Many nodes speak on /diagnostics at the same time: there the text decides, else who came first.
+        order = data if topic == '/diagnostics' else len(self._pending)
+        self._pending.append((stamp, index, order, data))
 
     def _count(self, index: int, stamp: int) -> None:
         last = self._last.get(index, stamp - self.period)

@@ -66,10 +66,6 @@ class CommandMonitor:
         fresh = self._timeout == 0 or now - self._since <= self._timeout
         return Freshness.FRESH if fresh else Freshness.STALE
 
-    def age(self, now: int) -> float | None:
-        """Return the age of the last command [s], None if there was none."""
-        return None if self._since is None else (now - self._since) / NANOSECONDS
-
     def forget(self) -> None:
         """Begin anew, as if no command had ever come: for a clock that jumped back."""
         self._since, self.warning = None, ''

@@ -8,7 +8,14 @@ from omni_vehicle_ros.control.driver import Demand, Driver
 from omni_vehicle_ros.control.freshness import NANOSECONDS, Freshness
 from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
 from omni_vehicle_ros.control.motion import STRAIGHT, Motion, nearest, opposite, turn_towards
-from omni_vehicle_ros.control.speed import SpeedController, clipped, measured_magnitude, moment_forces, traction_forces
+from omni_vehicle_ros.control.speed import (
+    STOPPING_RATE,
+    SpeedController,
+    clipped,
+    measured_magnitude,
+    moment_forces,
+    traction_forces,
+)
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 
@@ -18,6 +25,13 @@ _ALIGNED = 0.2
 # A wheel slower than this share of the fastest is near the ICR: where it points hardly matters.
 _SLOW_WHEEL = 0.05
 
+# A magnitude below this is rest when it is to become 0 [m/s].
+_REST = 0.01
+
+# No vehicle is faster [m/s]; keeps the sums below finite.
+_FASTEST = 1e3
+
+# A longer gap between two cycles counts as so many periods.
 _LONGEST_STEP = 20
 _ZERO: PerWheel = (0.0, 0.0, 0.0, 0.0)
 
@@ -130,7 +144,7 @@ class IcrSteering:
         if all(map(math.isfinite, (*steer_angles, *wheel_speeds))):
             radius = self._vehicle.wheel_radius
             self._measured_angles = steer_angles
-            self._measured_speeds = per_wheel(lambda i: radius * wheel_speeds[i])
+            self._measured_speeds = clipped(per_wheel(lambda i: radius * wheel_speeds[i]), _FASTEST)
         else:
             self._notes.append((ERROR, 'a measured steer angle or wheel speed is not finite: the last good ones count'))
         if self._angles is None:
@@ -176,30 +190,33 @@ class IcrSteering:
         along = traction_forces(traction.force, unit_speeds, speeds, self._vehicle, self._steering)
         turning = moment_forces(traction.yaw_moment, self._measured_angles, self._vehicle)
         forces = clipped(per_wheel(lambda i: along[i] + turning[i]), self._steering.maximum_drive_force)
-        magnitude = measured_magnitude(unit_speeds, speeds)
+        magnitude = self._measured_magnitude(unit_speeds)
         return self._set(per_wheel(lambda i: magnitude * unit_speeds[i]), forces)
 
     def _drive(self, wanted: float, unit_speeds: PerWheel, dt: float) -> Setpoints:
         speeds = self._measured_speeds
-        before = measured_magnitude(unit_speeds, speeds) if self._magnitude is None else self._magnitude
-        wanted = self._allowed(wanted, unit_speeds) * self._alignment(unit_speeds)
+        most = self._largest_magnitude(unit_speeds)
+        before = self._measured_magnitude(unit_speeds) if self._magnitude is None else self._magnitude
+        if abs(wanted) > most:
+            fastest = self._steering.maximum_wheel_speed
+            text = f'a wheel would be faster than maximum_wheel_speed, {fastest:g} m/s: all are slowed down'
+            self._notes.append((WARN, text))
+        wanted = min(max(wanted, -most), most) * self._alignment(unit_speeds)
         limit = self._steering.acceleration_limit
-        magnitude = self._magnitude = _ramp(before, wanted, limit * dt if limit else math.inf)
-        if magnitude == 0.0:
+        magnitude = self._magnitude = _ramp(before, wanted, limit, dt)
+        if magnitude == 0.0 or (wanted * magnitude <= 0.0 and STOPPING_RATE * abs(magnitude) < limit):
             forces = self._speed_controller.stand(speeds, dt)
         else:
             forces = self._speed_controller.drive(magnitude, (magnitude - before) / dt, unit_speeds, speeds, dt)
         return self._set(per_wheel(lambda i: magnitude * unit_speeds[i]), forces)
 
-    def _allowed(self, wanted: float, unit_speeds: PerWheel) -> float:
-        """Slow the whole motion down if a wheel would be too fast: the ICR stays."""
-        most = self._steering.maximum_wheel_speed / max(map(abs, unit_speeds))
-        if abs(wanted) <= most:
-            return wanted
-        limit = self._steering.maximum_wheel_speed
-        text = f'a wheel would be faster than maximum_wheel_speed, {limit:g} m/s: all are slowed down'
-        self._notes.append((WARN, text))
-        return math.copysign(most, wanted)
+    def _largest_magnitude(self, unit_speeds: PerWheel) -> float:
+        """Return the magnitude at which the fastest wheel is at its limit: scaling all by it keeps the ICR."""
+        return self._steering.maximum_wheel_speed / (max(map(abs, unit_speeds)) or 1.0)
+
+    def _measured_magnitude(self, unit_speeds: PerWheel) -> float:
+        most = self._largest_magnitude(unit_speeds)
+        return min(max(measured_magnitude(unit_speeds, self._measured_speeds), -most), most)
 
     def _alignment(self, unit_speeds: PerWheel) -> float:
         """Return 1 if the wheels point where they should, down to 0 if one of them is 90 deg off."""
@@ -222,8 +239,16 @@ class IcrSteering:
         )
 
 
-def _ramp(value: float, target: float, step: float) -> float:
-    """Move towards a target by at most ``step``, stopping at 0 on the way to the other side."""
-    if value * target < 0.0 and not math.isinf(step):
-        target = 0.0
+def _ramp(value: float, target: float, limit: float, dt: float) -> float:
+    """Move towards a target at a limited rate, coming to rest on the way to 0 and to the other side.
+
+    The deceleration fades with the speed: a brake that lags would else go on past standstill.
+    """
+    if limit == 0.0:
+        return target
+    step = limit * dt
+    if value != 0.0 and value * target <= 0.0:
+        if abs(value) < _REST:
+            return 0.0
+        target, step = 0.0, min(step, STOPPING_RATE * abs(value) * dt)
     return min(max(target, value - step), value + step)

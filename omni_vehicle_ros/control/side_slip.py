@@ -97,6 +97,8 @@ class SideSlipController:
 
     Positive side slip makes a force to the left, and a larger steer angle makes more of it (thesis eq. B.11), so
     this is negative feedback. The trim fades out below ``minimum_speed``, where a slip angle means little.
+    How large a gain may be: `omni_vehicle_ros.control.stability`. With the default actuator, 0.1 s and
+    5 ms, and a period of 5 ms the limit is 20.5, and the largest gain of the thesis, 5, a quarter of it.
 
     Parameters
     ----------
@@ -159,4 +161,5 @@ class SideSlipController:
             pid.reset()
             pid.saturated = False
             return 0.0
-        return fade * pid.update(-side_slip, self._dt)
+        # A side-slip angle is never past 90 deg, whatever a sensor says.
+        return fade * pid.update(-min(max(side_slip, -0.5 * math.pi), 0.5 * math.pi), self._dt)

@@ -48,7 +48,7 @@ class WheelModule:
     parameters
         Actuators and time-out.
     vehicle
-        Not more than the wheel it carries: kept for a module with a speed loop of its own.
+        The vehicle that carries the module.
     control_period
         Time from one cycle to the next [s].
     """

@@ -7,7 +7,8 @@ import struct
 from typing import Any
 
 from omni_vehicle_ros.errors import MessageError
-from omni_vehicle_ros.messages.codecs import CODECS, SECOND
+from omni_vehicle_ros.messages.codec import SECOND
+from omni_vehicle_ros.messages.codecs import CODECS
 from omni_vehicle_ros.messages.values import (
     Clock,
     Diagnostics,
@@ -66,11 +67,13 @@ def encode(type_name: str, value: Any) -> bytes:
         text, something that is not a number.
     """
     try:
-        return CODECS[type_name].encode(value)
+        data = CODECS[type_name].encode(value)
     except KeyError:
         raise _unknown(type_name) from None
     except (struct.error, ValueError, TypeError, AttributeError, OverflowError) as error:
         raise MessageError(f'{type_name}: {value!r} can not be encoded: {error}') from error
+    # RTPS carries whole words: with the padding here, what is sent is what arrives.
+    return data if len(data) % 4 == 0 else data + bytes(-len(data) % 4)
 
 
 def decode(type_name: str, data: bytes) -> Any:

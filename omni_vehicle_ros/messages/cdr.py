@@ -13,8 +13,8 @@ from omni_vehicle_ros.errors import MessageError
 
 HEADER = b'\x00\x01\x00\x00'
 TRAILING_BYTES = 15
-"""Bytes allowed after the end: middleware fills up to a multiple of 4; rclpy's ``serialize_message`` appends up to 12
-bytes of arbitrary content, for it reckons with padding before the elements of empty sequences."""
+"""Bytes allowed after the end: middleware fills up to a multiple of 4; rclpy's ``serialize_message`` appends up
+to 12 bytes of arbitrary content, for it reckons with padding before the elements of empty sequences."""
 
 
 class Layout(NamedTuple):
@@ -66,11 +66,11 @@ class LayoutBuilder:
 
         Raises
         ------
-        MessageError
+        ValueError
             The text holds a NUL or is not valid Unicode.
         """
         if '\0' in text:
-            raise MessageError(f'text {text!r} holds a NUL; a ROS string ends there')
+            raise ValueError(f'text {text!r} holds a NUL; a ROS string ends there')
         content = text.encode() + b'\0'
         self.count(len(content))
         self._add(content, len(content))

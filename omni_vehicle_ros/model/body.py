@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from omni_vehicle_ros.model.constants import Constants
-from omni_vehicle_ros.model.contact import Contact, deflection_rate, side_slip, wheel_force
+from omni_vehicle_ros.model.contact import Contact, deflection_rate, side_slip, turned, wheel_force
 from omni_vehicle_ros.model.disturbances import bank_force, wind_force, wind_moment
 from omni_vehicle_ros.model.integrate import Vector
 from omni_vehicle_ros.model.loads import lifted, roll_angle, static_loads, vertical_loads
@@ -122,6 +122,7 @@ def derivative(
     now = state_view(state)
     contacts = _contacts(now, inputs, environment, constants, constant_speed)
     ay, forces = solve_loop(contacts, constants)
+    fl, fr, rl, rr = contacts
     force_x, _, moment = _body_force_and_moment(contacts, forces, constants)
     wind = wind_force(environment.wind, now.vx, constants)
     side_force = bank_force(environment.bank, constants) + wind
@@ -135,16 +136,16 @@ def derivative(
             now.vx * cos_psi - now.vy * sin_psi,
             now.vx * sin_psi + now.vy * cos_psi,
             now.r,
-            deflection_rate(contacts[0], cos_front, sin_front, constants),
-            deflection_rate(contacts[1], cos_front, sin_front, constants),
-            deflection_rate(contacts[2], cos_rear, sin_rear, constants),
-            deflection_rate(contacts[3], cos_rear, sin_rear, constants),
+            deflection_rate(fl, *turned(fl, cos_front, sin_front), constants),
+            deflection_rate(fr, *turned(fr, cos_front, sin_front), constants),
+            deflection_rate(rl, *turned(rl, cos_rear, sin_rear), constants),
+            deflection_rate(rr, *turned(rr, cos_rear, sin_rear), constants),
         )
     )
 
 
 def solve_loop(contacts: Contacts, constants: Constants) -> tuple[float, WheelForces]:
-    """Return the lateral acceleration [m/s2] that its own loads and roll steer bring about, and the tyre forces.
+    """Return the lateral acceleration [m/s2] that its own loads and roll steer cause, and the tyre forces.
 
     Inverse quadratic interpolation from 0, where the loads are static; if it fails, bisection between the
     largest accelerations that friction allows. The start never depends on the past, so that the result is a
@@ -197,7 +198,7 @@ def _largest_acceleration(contacts: Contacts, constants: Constants) -> float:
 
 
 def _response(ay: float, contacts: Contacts, constants: Constants) -> tuple[float, WheelForces]:
-    """Return the lateral acceleration by tyres that are loaded and roll-steered as ``ay`` asks, and their forces."""
+    """Return the lateral acceleration and the forces of tyres loaded and roll-steered as by ``ay``."""
     fl, fr, rl, rr = contacts
     cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
     load_fl, load_fr, load_rl, load_rr = vertical_loads(ay, fl.load, rl.load, constants)

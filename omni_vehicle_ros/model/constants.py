@@ -15,9 +15,9 @@ class Constants(NamedTuple):
     The names of `VehicleParameters` keep their meaning. ``front_load`` and ``rear_load`` are the static loads
     of one wheel on a level road [N], ``front_transfer`` and ``rear_transfer`` the load that moves from the left
     to the right wheel of the axle per lateral acceleration [N s2/m], ``roll_per_acceleration`` the roll angle
-    per lateral acceleration [rad s2/m], ``low_speed_damping`` the time by which the tyre's lateral velocity
-    counts beside its deflection at standstill [s], ``rolling_hold`` the rolling resistance of one wheel per speed at
-    standstill [N s/m].
+    per lateral acceleration [rad s2/m], ``low_speed_damping`` the time by which the rate of a tyre's
+    deflection counts beside the deflection itself at standstill [s], ``rolling_hold`` the rolling resistance of
+    one wheel per speed at standstill [N s/m].
     """
 
     mass: float

@@ -4,7 +4,7 @@ At standstill a slip angle means nothing, and just above it the tyre is stiffer 
 walking pace the slip is therefore taken from the tyre's lateral deflection z, which lags by the relaxation
 length (Bernard & Clover 1995, SAE 950311), with a damping that fades out with speed (Pacejka 2012, sec. 8.6):
 
-    dz/dt = -v_lat - max(abs(v_long) / sigma, abs(v_lat) / z_max) z,   tan(alpha) = (z - c v_lat) / sigma
+    dz/dt = -v_lat - max(abs(v_long) / sigma, abs(v_lat) / z_max) z,   tan(alpha) = (z + c dz/dt) / sigma
 
 A rolling wheel settles at tan(alpha) = -v_lat / abs(v_long), the slip of the tyre above walking pace. The second
 rate is Dahl's: a tyre dragged sideways stops stretching at z_max, so that it does not spring back from afar. The
@@ -79,27 +79,51 @@ def rolling_hold(v_long: float, speed: float, constants: Constants) -> float:
 def largest_slip(contact: Contact, constants: Constants) -> float:
     """Return tan(alpha) of the fully stretched tyre, by its load without lateral transfer."""
     slip = contact.friction * contact.load / (2.0 * FULL_STRETCH * constants.cornering_stiffness)
-    return max(SMALLEST_SLIP, min(LARGEST_SLIP, slip))
+    if slip > LARGEST_SLIP:
+        return LARGEST_SLIP
+    return slip if slip > SMALLEST_SLIP else SMALLEST_SLIP
 
 
-def deflection_slip(contact: Contact, v_lat: float, weight: float, constants: Constants) -> float:
-    """Return tan(alpha) that the deflection of a slow tyre stands for.
+def turned(contact: Contact, cos_roll: float, sin_roll: float) -> tuple[float, float]:
+    """Return the velocity along and across the wheel as roll has turned it [m/s]."""
+    along, across = contact.v_long, contact.v_lat
+    return along * cos_roll + across * sin_roll, across * cos_roll - along * sin_roll
+
+
+def deflection_rate(contact: Contact, v_long: float, v_lat: float, constants: Constants) -> float:
+    """Return the rate of the tyre's lateral deflection [m/s].
 
     Parameters
     ----------
     contact
         The wheel.
-    v_lat
-        Velocity of the contact across the wheel, roll steer included [m/s].
-    weight
-        From `low_speed_weight`; the damping fades out with it.
+    v_long, v_lat
+        Velocity along and across the wheel, roll steer included [m/s].
     constants
         The vehicle.
     """
-    limit = largest_slip(contact, constants)
-    length = constants.relaxation_length
+    rolling, dragging = abs(v_long), abs(v_lat) / largest_slip(contact, constants)
+    rate = (rolling if rolling > dragging else dragging) / constants.relaxation_length
+    if rate <= FASTEST_RELAXATION:
+        return -v_lat - rate * contact.deflection
+    # The same steady deflection, approached no faster than the integrator can follow.
+    return -FASTEST_RELAXATION * (v_lat / rate + contact.deflection)
+
+
+def deflection_slip(contact: Contact, v_long: float, v_lat: float, weight: float, constants: Constants) -> float:
+    """Return tan(alpha) that the deflection of a slow tyre stands for.
+
+    Parameters
+    ----------
+    contact, v_long, v_lat, constants
+        As in `deflection_rate`.
+    weight
+        From `low_speed_weight`; the damping fades out with it.
+    """
+    limit, length = largest_slip(contact, constants), constants.relaxation_length
     stretch = max(-limit, min(limit, contact.deflection / length))
-    return stretch - constants.low_speed_damping * weight * v_lat / length
+    rate = deflection_rate(contact, v_long, v_lat, constants)
+    return stretch + constants.low_speed_damping * weight * rate / length
 
 
 def wheel_force(
@@ -134,7 +158,8 @@ def wheel_force(
     if square >= WALKING_PACE_SQUARED:
         return traction, dugoff(-v_lat, abs(v_long), available, stiffness)
     weight = low_speed_weight(math.sqrt(square))
-    lateral = weight * dugoff(deflection_slip(contact, v_lat, weight, constants), 1.0, available, stiffness)
+    slip = deflection_slip(contact, v_long, v_lat, weight, constants)
+    lateral = weight * dugoff(slip, 1.0, available, stiffness)
     if weight < 1.0:
         lateral += (1.0 - weight) * dugoff(-v_lat, abs(v_long), available, stiffness)
     return traction, lateral
@@ -148,28 +173,10 @@ def side_slip(contact: Contact, cos_roll: float, sin_roll: float, constants: Con
     contact, cos_roll, sin_roll, constants
         As in `wheel_force`.
     """
-    v_long = contact.v_long * cos_roll + contact.v_lat * sin_roll
-    v_lat = contact.v_lat * cos_roll - contact.v_long * sin_roll
+    v_long, v_lat = turned(contact, cos_roll, sin_roll)
     weight = low_speed_weight(math.hypot(v_long, v_lat))
     rolling = side_slip_angle(v_long, v_lat) if weight < 1.0 else 0.0
     if weight == 0.0:
         return rolling
-    slow = math.atan(deflection_slip(contact, v_lat, weight, constants))
+    slow = math.atan(deflection_slip(contact, v_long, v_lat, weight, constants))
     return (1.0 - weight) * rolling + weight * slow
-
-
-def deflection_rate(contact: Contact, cos_roll: float, sin_roll: float, constants: Constants) -> float:
-    """Return the rate of the tyre's lateral deflection [m/s].
-
-    Parameters
-    ----------
-    contact, cos_roll, sin_roll, constants
-        As in `wheel_force`.
-    """
-    v_long, v_lat, deflection, _, _, _, _, _ = contact
-    v_long, v_lat = v_long * cos_roll + v_lat * sin_roll, v_lat * cos_roll - v_long * sin_roll
-    rate = max(abs(v_long), abs(v_lat) / largest_slip(contact, constants)) / constants.relaxation_length
-    if rate <= FASTEST_RELAXATION:
-        return -v_lat - rate * deflection
-    # The same steady deflection, approached no faster than the integrator can follow.
-    return -FASTEST_RELAXATION * (v_lat / rate + deflection)

@@ -1,4 +1,4 @@
-"""The linear bicycle: what the vehicle tends to for small slip, load transfer and roll steer off (Abe, ch. 3)."""
+"""The linear bicycle: the limit of small slip with load transfer and roll steer off (Abe, ch. 3)."""
 
 from typing import NamedTuple
 

@@ -33,13 +33,13 @@ class Stop:
     def _note(self, number: int, frame: FrameType | None) -> None:
         self.asked = True
 
-    def __bool__(self) -> bool:
-        """Whether to stop: asked to, or left behind by the process that started this one."""
-        return self.asked or (self._parent != 0 and os.getppid() != self._parent)
+    def orphaned(self) -> bool:
+        """Whether the process that started this one, if it wants to be known, has gone."""
+        return self._parent != 0 and os.getppid() != self._parent
 
 
 def run(make: Callable[[Context], Sequence[Shell]], arguments: Sequence[str] | None = None) -> int:
-    """Make nodes and serve them until they have finished or a signal comes; return the exit code."""
+    """Make nodes and serve them until one has finished or a signal comes; return the exit code."""
     stop = Stop()
     context = Context()
     rclpy.init(args=list(arguments) if arguments is not None else None, context=context, signal_handler_options=SignalHandlerOptions.NO)
@@ -63,12 +63,14 @@ def run(make: Callable[[Context], Sequence[Shell]], arguments: Sequence[str] | N
 
 
 def serve(executor: EventsExecutor, nodes: Sequence[Shell], stop: Stop) -> None:
-    """Take messages and poll the nodes until all have finished; every wait is finite."""
+    """Take messages and poll the nodes until one has finished; every wait is finite."""
     due = 0.0
-    while not stop and not all(node.finished for node in nodes):
+    while not stop.asked:
         now = time.monotonic()
         if now >= due:
             for node in nodes:
                 node.poll()
+            if stop.orphaned() or any(node.finished for node in nodes):
+                return
             due = now + min(node.wait() for node in nodes)
         executor.spin_once(timeout_sec=max(due - now, 0.0))

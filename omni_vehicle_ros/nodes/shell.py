@@ -117,6 +117,8 @@ class Shell(Node):
         """Keep a message for the cycle that it belongs to, and act when that is complete."""
         self._inbox.append((_ORDER[topic], topic, value))
         if topic == self.component.beat:
+            if self.lockstep and self.gate.waiting:
+                self.warn(f'cycle {self.now} skipped at {value.stamp}: {self.gate.missing()} {dict(self.gate._heard)} {dict(self.gate._announced)}')
             self.gate.open(value.stamp)
             self._opened = time.monotonic()
         elif isinstance(value, Step):

@@ -16,7 +16,7 @@ from omni_vehicle_ros.parameters import VehicleParameters
 VEHICLE = VehicleParameters()
 MODEL = constants(VEHICLE)
 STIFF = constants(VehicleParameters(front_roll_steer=0.0, rear_roll_steer=0.0))
-quiet = settings(deadline=None, max_examples=100, derandomize=True)
+quiet = settings(deadline=None, max_examples=60, derandomize=True)
 
 
 def per_wheel(entries):
@@ -67,13 +67,13 @@ def test_forces_are_dugoff_at_the_reported_loads_and_slips(vector, inputs, road)
         capacity = road.friction[i] * found.vertical_load[i]
         speed = math.hypot(v_long, v_lat)
         rest = lateral_capacity(capacity, found.longitudinal_force[i])
-        slip = found.side_slip[i]
-        force = lateral_force(
-            speed * math.cos(slip), -speed * math.sin(slip), rest, VEHICLE.cornering_stiffness, 0.015
-        )
-        assert found.lateral_force[i] == pytest.approx(force, rel=1e-6, abs=1e-6)
-        roll_steer = (-0.2 if i < 2 else 0.2) * found.roll_angle
-        assert slip == pytest.approx(roll_steer - math.atan2(v_lat, v_long), abs=1e-9)
+        slip, roll_steer = found.side_slip[i], (-0.2 if i < 2 else 0.2) * found.roll_angle
+        turned = math.atan2(v_lat, v_long) - roll_steer
+        assert math.sin(slip) == pytest.approx(-math.sin(turned), abs=1e-9)
+        assert abs(slip) <= 0.5 * math.pi
+        v_long, v_lat = speed * math.cos(turned), speed * math.sin(turned)
+        force = lateral_force(v_long, v_lat, rest, VEHICLE.cornering_stiffness, 0.015)
+        assert found.lateral_force[i] == pytest.approx(force, rel=1e-6, abs=1e-3)
 
 
 @quiet
@@ -137,13 +137,14 @@ def test_crab_is_an_equilibrium_like_any_straight_line(model):
 
 
 def test_without_the_friction_circle_traction_costs_no_side_force():
-    free = constants(VehicleParameters(friction_circle=False, load_transfer=False))
+    still = {'load_transfer': False, 'front_roll_steer': 0.0, 'rear_roll_steer': 0.0}
+    free = constants(VehicleParameters(friction_circle=False, **still))
     vector, angles, pull = state(10.0, 0.0, 0.0), (0.2, 0.2, 0.0, 0.0), (2500.0, 2500.0, 0.0, 0.0)
     with_pull = evaluate(vector, Inputs(angles, pull), Environment(), free)
     without = evaluate(vector, Inputs(angles), Environment(), free)
     circle = evaluate(vector, Inputs(angles, pull), Environment(), MODEL)
     assert with_pull.longitudinal_force[0] == 2500.0
-    assert with_pull.lateral_force == pytest.approx(without.lateral_force, rel=0.01)
+    assert with_pull.lateral_force == pytest.approx(without.lateral_force)
     assert circle.lateral_force[0] < 0.9 * without.lateral_force[0]
 
 
@@ -157,7 +158,7 @@ def test_constant_speed_holds_vx_and_leaves_the_drive_out(model):
 
 def test_a_wheel_in_the_air_uses_no_friction():
     tall = constants(VehicleParameters(front_roll_centre_height=2.0, rear_roll_centre_height=2.0))
-    found = evaluate(state(20.0, 0.0, 1.0), Inputs((0.1, 0.1, -0.1, -0.1)), Environment(), tall)
+    found = evaluate(state(20.0, 0.0, 0.0), Inputs((0.15,) * 4), Environment(), tall)
     assert found.lifted == (True, False, True, False)
     assert found.friction_use[0] == found.friction_use[2] == 0.0
 

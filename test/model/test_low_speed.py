@@ -38,14 +38,21 @@ def brake(state, angles, model, duration, force, road=LEVEL):
     return state, np.array(twists)
 
 
-@pytest.mark.parametrize('bank', [0.0, 0.01, -0.1, 0.5])
-def test_rest_stays_rest_for_a_minute(model, bank):
+def test_rest_on_a_bank_stays_rest_for_a_minute(model):
+    road = Environment(bank=0.1)
+    early = advance(initial_state(), STILL, STILL, STILL, road, model, 4.0, 0.01)
+    late = advance(early, STILL, STILL, STILL, road, model, 56.0, 0.01)
+    assert np.abs(late[:3]).max() < 1e-12
+    assert late[3:] == pytest.approx(early[3:], abs=1e-7)
+    assert abs(late[4]) < 0.01
+
+
+@pytest.mark.parametrize('bank', [0.01, -0.5])
+def test_rest_is_soon_reached_on_any_bank_that_the_grip_holds(model, bank):
     road = Environment(bank=bank)
-    early = advance(initial_state(), STILL, STILL, STILL, road, model, 3.0, 0.01)
-    late = advance(early, STILL, STILL, STILL, road, model, 57.0, 0.01)
-    assert np.abs(late[:3]).max() < 1e-9
-    assert np.abs(late[3:6] - early[3:6]).max() < 1e-4
-    assert abs(late[4]) < 0.05
+    end = advance(initial_state(), STILL, STILL, STILL, road, model, 4.0, 0.005)
+    assert np.abs(end[:3]).max() < 1e-6
+    assert np.abs(derivative(end, Inputs(STILL), road, model)).max() < 1e-5
 
 
 def test_flat_rest_is_exact(model):
@@ -134,14 +141,15 @@ def test_above_walking_pace_the_deflection_changes_nothing(vx, vy, r, deflection
     assert rates[0].tobytes() == rates[1].tobytes()
 
 
-@pytest.mark.parametrize('speed', [0.2, 0.5, 0.8, 1.1, 1.3, -0.5])
+@pytest.mark.parametrize('speed', [0.2, 0.6, 1.0, -0.5])
 def test_a_slow_rolling_tyre_settles_at_the_slip_of_its_velocity(model, speed):
-    # On a gentle bank the slips follow from statics alone, at any speed, once the deflection has settled.
-    road = Environment(bank=0.01)
-    slow = advance(initial_state(speed), STILL, STILL, STILL, road, model, 15.0, 0.01, True)
-    fast = advance(initial_state(math.copysign(5.0, speed)), STILL, STILL, STILL, road, model, 15.0, 0.01, True)
-    slips = [evaluate(state, Inputs(STILL), road, model, True).side_slip for state in (slow, fast)]
-    assert slips[0] == pytest.approx(slips[1], rel=0.03)
+    road = Environment(bank=0.05)
+    end = state_view(advance(initial_state(speed), STILL, STILL, STILL, road, model, 15.0, 0.01, True))
+    found = evaluate(state_vector(end), Inputs(STILL), road, model, True)
+    for i in range(4):
+        u, w = end.vx - VEHICLE.wheel_y[i] * end.r, end.vy + VEHICLE.wheel_x[i] * end.r
+        turned = math.atan2(w, u) - (-0.2 if i < 2 else 0.2) * found.roll_angle
+        assert found.side_slip[i] == pytest.approx(math.atan2(-math.sin(turned), abs(math.cos(turned))), abs=1e-6)
 
 
 def test_no_jump_when_passing_walking_pace(model):

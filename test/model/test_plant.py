@@ -19,7 +19,7 @@ from omni_vehicle_ros.parameters import VehicleParameters
 
 STILL = (0.0, 0.0, 0.0, 0.0)
 ROAD = Environment()
-quiet = settings(deadline=None, max_examples=60, derandomize=True)
+quiet = settings(deadline=None, max_examples=40, derandomize=True)
 
 
 def drive(model, speed, angles, duration, *, forces=STILL, road=ROAD, step=0.005, constant_speed=False, rates=STILL):
@@ -53,10 +53,10 @@ def test_without_friction_momentum_is_conserved(model):
 def test_a_circle_closes(model):
     # A crawl about the ICR is kinematic: the pose comes back after one turn.
     angles = road_steer_angles(Icr(0.0, 3.0), VehicleParameters())
-    start = state_vector(State(0.6, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-    end = state_view(advance(start, angles, STILL, STILL, ROAD, model, 10.0 * math.pi, 0.01, True))
+    start = state_vector(State(1.2, 0.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    end = state_view(advance(start, angles, STILL, STILL, ROAD, model, 5.0 * math.pi, 0.01, True))
     assert end.psi == pytest.approx(2.0 * math.pi, rel=0.01)
-    assert math.hypot(end.x, end.y) < 0.1
+    assert math.hypot(end.x, end.y) < 0.2
 
 
 @pytest.mark.parametrize('icr', [Icr(0.0, 3.0), Icr(0.0, -8.0), Icr(-1.454, 4.0)])
@@ -97,14 +97,14 @@ def test_linear_gains_match_their_closed_forms(vehicle):
     linear = linear_bicycle(vehicle, speed)
     assert linear.understeer_gradient == pytest.approx(gradient)
     assert linear.yaw_gain == pytest.approx(speed / (vehicle.wheelbase + gradient * speed**2))
-    with pytest.raises(ParameterError, match='0.0 m/s must be above 0'):
+    with pytest.raises(ParameterError, match=r'0\.0 m/s must be above 0'):
         linear_bicycle(vehicle, 0.0)
 
 
 @pytest.mark.parametrize('speed', [20.0 / 3.6, 80.0 / 3.6])
 def test_on_a_bank_the_slips_balance_the_moment(model, speed):
     road = Environment(bank=0.02)
-    end = drive(model, speed, STILL, 5.0, road=road, constant_speed=True)
+    end = drive(model, speed, STILL, 5.0, road=road, step=0.01, constant_speed=True)
     slip = evaluate(end, Inputs(STILL), road, model, True).side_slip
     assert (slip[0] + slip[1]) / (slip[2] + slip[3]) == pytest.approx(1.454 / 1.0, rel=1e-3)
     assert max(slip) < 0.0
@@ -185,7 +185,7 @@ def test_a_held_speed_is_held_exactly(model, vehicle):
 def test_a_held_speed_past_the_grip_limit_spins_and_stays_finite(model, vehicle):
     # R = 2 m at 14 km/h asks for 7.6 m/s2 with the rear outer tyre past its peak: there is no steady state.
     angles = road_steer_angles(Icr(0.0, 2.0), vehicle)
-    end = drive(model, 14.0 / 3.6, angles, 15.0, constant_speed=True)
+    end = drive(model, 14.0 / 3.6, angles, 10.0, constant_speed=True)
     assert np.isfinite(end).all()
     assert abs(end[1]) > abs(end[0])
 

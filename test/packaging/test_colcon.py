@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 COLCON = shutil.which('colcon') or shutil.which('colcon', path=str(Path(sys.executable).parent))
-TESTED = 'test/scenarios'
+TESTED = 'test/test_interface.py'
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(COLCON is None, reason='needs colcon')]
 

@@ -67,14 +67,11 @@ def test_arguments_and_their_defaults(launch_file):
     assert entities[-1].function is launch_file.nodes
 
 
-def test_all_participants_start(launch_file):
-    assert set(started(launch_file)) == {f'/{role}' for role in PacingParameters().participants}
-
-
-@pytest.mark.parametrize('namespace', ['car', '/car', '/fleet/car/'])
-def test_namespace_holds_the_whole_vehicle(launch_file, namespace):
+@pytest.mark.parametrize('namespace', ['', 'car', '/car', '/fleet/car/'])
+def test_all_participants_start_in_the_namespace(launch_file, namespace):
     prefix = namespace.rstrip('/')
-    assert set(started(launch_file, namespace=namespace)) == {f'{prefix}/{role}' for role in PacingParameters().participants}
+    expected = {f'{prefix}/{role}' for role in PacingParameters().participants}
+    assert set(started(launch_file, namespace=namespace)) == expected
 
 
 def test_wheel_modules_differ_by_namespace_only(launch_file):

@@ -10,7 +10,7 @@ import pytest
 from omni_vehicle_ros import interface
 
 # What a package of PyPI is called by rosdep and in an import, where that is not its own name.
-ROSDEP_KEYS = {'pyyaml': 'python3-yaml', 'rosbags': 'python3-rosbags-pip', 'mcap': None, 'setuptools': None}
+ROSDEP_KEYS = {'pyyaml': 'python3-yaml', 'rosbags': 'python3-rosbags-pip', 'lz4': None, 'mcap': None, 'zstandard': None}
 IMPORT_NAMES = {'pyyaml': 'yaml'}
 # Parts of ROS 2 that have no wheel: their users have a ROS installation.
 ONLY_WITH_ROS = {'launch', 'launch_ros', 'tf2_msgs'}
@@ -101,7 +101,7 @@ def test_every_executable_has_its_module_and_every_node_its_executable(setup_arg
         name, module, function = re.fullmatch(r'(\w+) = ([\w.]+):(\w+)', line).groups()
         executables[name] = getattr(importlib.import_module(module), function)
     assert all(map(callable, executables.values()))
-    assert {role.split('/')[-1] for role in interface.NODES} | {'omni_vehicle'} == set(executables)
+    assert {role.split('/')[-1] for role in interface.NODES} | {'omni_vehicle', 'vehicle'} == set(executables)
 
 
 def test_all_files_of_config_and_launch_are_installed(root, setup_arguments):
