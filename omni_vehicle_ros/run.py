@@ -138,7 +138,7 @@ def run_scenario(
         if graph.interrupted:
             raise Interrupted(f'interrupted; {messages} messages lie in {directory / "bag"}')
     wall_time = time.monotonic() - began
-    return RunResult(directory / 'bag', directory / 'report.html', analyse(directory), messages, lost, wall_time)
+    return RunResult(directory / 'bag', directory / 'report.html', analyse(directory, scenario), messages, lost, wall_time)
 
 
 def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', publish_clock: bool = True) -> None:
@@ -159,15 +159,15 @@ def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', p
         directory, scenario, nodes, one_process=False, pacing='realtime', namespace=namespace, publish_clock=publish_clock
     )
     graph.run(lambda time: None)
-    analyse(directory)
+    analyse(directory, scenario)
 
 
-def analyse(directory: Path) -> dict[str, Any]:
+def analyse(directory: Path, scenario: Scenario) -> dict[str, Any]:
     """Write metrics.json and report.html for the bag of a run; return the metrics."""
     from omni_vehicle_ros.analysis import compute_metrics, write_report
     from omni_vehicle_ros.bags import open_bag
 
-    metrics = compute_metrics(open_bag(directory / 'bag'))
+    metrics = compute_metrics(open_bag(directory / 'bag'), scenario.vehicle)
     text = json.dumps(metrics, indent=2, allow_nan=False) + '\n'
     (directory / 'metrics.json').write_text(text, encoding='utf-8')
     write_report(directory)

@@ -19,7 +19,7 @@ from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
 SIDE_SLIP_FLOOR = 1e-5
-YAW_RATE_FLOOR = 1e-5
+YAW_RATE_FLOOR = 1e-4
 SPEED_FLOOR = 1e-3
 _AXLES = (('front', (0, 1)), ('rear', (2, 3)))
 
@@ -76,12 +76,12 @@ def unsteady_reason(bag: Bag, vehicle: VehicleParameters) -> str | None:
     odom = bag['odom']
     if last_window(odom.stamp) is None:
         return 'shorter than a second'
+    sliding = [axle for axle, wheels in _AXLES if all(_region(bag, vehicle, i) is Region.SLIDING for i in wheels)]
+    if sliding:
+        return f'{" and ".join(sliding)} tyres sliding, past the grip limit'
     signals = (('yaw rate', odom.yaw_rate, YAW_RATE_FLOOR), ('lateral speed', odom.vy, SPEED_FLOOR))
     changing = [name for name, signal, floor in signals if steady_state(odom.stamp, signal, floor) is None]
-    if changing:
-        return f'{" and ".join(changing)} still changing'
-    sliding = [axle for axle, wheels in _AXLES if all(_region(bag, vehicle, i) is Region.SLIDING for i in wheels)]
-    return f'{" and ".join(sliding)} tyres sliding, past the grip limit' if sliding else None
+    return f'{" and ".join(changing)} still changing' if changing else None
 
 
 def _region(bag: Bag, vehicle: VehicleParameters, wheel: int) -> Region:

@@ -51,7 +51,7 @@ def plot_path(bag: Bag, axes: 'Axes', vehicle: VehicleParameters | None = None) 
     """
     vehicle = vehicle or VehicleParameters()
     odom = bag['odom']
-    axes.plot(odom.x[::5], odom.y[::5], color=INK, linewidth=1.0, zorder=2)
+    axes.plot(odom.x, odom.y, color=INK, linewidth=1.0, zorder=2)
     sights = [_sight(bag, index) for index in snapshots(odom.x, odom.y, vehicle)]
     turning = [sight for sight in sights if _icr_distance(sight) < _FARTHEST_ICR]
     if turning:

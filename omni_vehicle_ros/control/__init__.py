@@ -1,1 +1,1 @@
-"""Control laws and small state machines: stamps and measurements come in, set-points go out; no ROS, no clock."""
+"""Control laws and small state machines: stamps and measurements in, set-points out; no ROS, no clock."""

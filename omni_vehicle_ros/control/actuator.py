@@ -57,8 +57,8 @@ class SteerActuator:
     Notes
     -----
     A set-point counts from the instant that it is given until the next one is; the delay shifts this
-    staircase in time, by any number of cycles and fractions. Between its steps the lag is solved in closed form,
-    so the angle doesn't depend on the control period.
+    staircase in time, by any number of cycles and fractions. Between its steps the lag is solved in closed
+    form, so the angle doesn't depend on the control period.
     """
 
     def __init__(self, parameters: WheelModuleParameters, angle: float = 0.0) -> None:

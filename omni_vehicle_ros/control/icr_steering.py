@@ -197,6 +197,9 @@ class IcrSteering:
         speeds = self._measured_speeds
         most = self._largest_magnitude(unit_speeds)
         before = self._measured_magnitude(unit_speeds) if self._magnitude is None else self._magnitude
+        # While the motion turns, the limit of the fastest wheel may come down faster than the speed may
+        # change.
+        before = min(max(before, -most), most)
         if abs(wanted) > most:
             fastest = self._steering.maximum_wheel_speed
             text = f'a wheel would be faster than maximum_wheel_speed, {fastest:g} m/s: all are slowed down'
@@ -211,7 +214,7 @@ class IcrSteering:
         return self._set(per_wheel(lambda i: magnitude * unit_speeds[i]), forces)
 
     def _largest_magnitude(self, unit_speeds: PerWheel) -> float:
-        """Return the magnitude at which the fastest wheel is at its limit: scaling all by it keeps the ICR."""
+        """Return the magnitude at which the fastest wheel is at its limit: scaling all keeps the ICR."""
         return self._steering.maximum_wheel_speed / (max(map(abs, unit_speeds)) or 1.0)
 
     def _measured_magnitude(self, unit_speeds: PerWheel) -> float:

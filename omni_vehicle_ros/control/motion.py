@@ -1,10 +1,10 @@
 """The direction of a rigid motion in the plane, in which straight, crab and spin are nothing special.
 
-The twist (vx, vy, r) of the body is a signed magnitude [m/s] times a unit vector in (vx, vy, r L), L being half
-the wheelbase. Straight on is (1, 0, 0), crab to the left (0, 1, 0), spin to the left (0, 0, 1); the ICR lies at
-(-uy, ux) L / ur, and at infinity for ur = 0. Reverse is the same direction with a negative magnitude.
-Turning one direction into another passes through directions only, each of them a rigid motion: the
-four wheels always agree on one ICR.
+The twist (vx, vy, r) of the body is a signed magnitude [m/s] times a unit vector in (vx, vy, r L), L being
+half the wheelbase. Straight on is (1, 0, 0), crab to the left (0, 1, 0), spin to the left (0, 0, 1); the ICR
+lies at (-uy, ux) L / ur, and at infinity for ur = 0. Reverse is the same direction with a negative magnitude.
+Turning one direction into another passes through directions only, each of them a rigid motion: the four
+wheels always agree on one ICR.
 """
 
 import math
@@ -48,7 +48,8 @@ def motion_of_icr(x: float, y: float, length: float, straight_radius: float) -> 
     length
         L [m].
     straight_radius
-        An ICR farther away than this is at infinity: straight on if it lies across, else crab across its bearing.
+        An ICR farther away than this is at infinity: straight on if it lies across, else crab across its
+        bearing.
 
     Raises
     ------
@@ -94,7 +95,7 @@ def twist_of_motion(motion: Motion, magnitude: float, length: float) -> Twist:
 
 
 def magnitude_of_speed(motion: Motion, speed: float) -> float:
-    """Return the magnitude [m/s] that gives the centre of gravity a signed speed [m/s]; not for a spin in place."""
+    """Return the magnitude that gives the centre of gravity a signed speed [m/s]; not for a spin in place."""
     return speed / math.hypot(motion.ux, motion.uy)
 
 

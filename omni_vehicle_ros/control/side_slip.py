@@ -1,4 +1,4 @@
-"""The side-slip controller: one PID for each wheel steers its tyre towards zero side slip (thesis, chapter 5)."""
+"""The side-slip controller: a PID for each wheel steers its tyre to zero side slip (thesis, chapter 5)."""
 
 import math
 
@@ -14,9 +14,9 @@ _LONGEST_GAP = 0.5
 def exact_side_slip(steer_free_slip: float, gain: float) -> float:
     """Return the side slip that a proportional gain leaves, solved algebraically.
 
-    Slip depends at once on the angle that corrects it: ``alpha = alpha0 + delta`` with
-    ``delta = -K alpha`` gives ``alpha = alpha0 / (1 + K)`` (thesis, chapter 5). It is what the sampled loop with
-    an actuator tends to as their time constant and period go to 0.
+    Slip depends at once on the angle that corrects it: ``alpha = alpha0 + delta`` with ``delta = -K alpha``
+    gives ``alpha = alpha0 / (1 + K)`` (thesis, chapter 5). It is what the sampled loop with an actuator tends
+    to as their time constant and period go to 0.
 
     Parameters
     ----------
@@ -31,9 +31,9 @@ def exact_side_slip(steer_free_slip: float, gain: float) -> float:
 class Pid:
     """A PID law with a filtered derivative and conditional anti-windup.
 
-    ``output = gain e + integral of (integral_gain e) + derivative_gain s / (time_constant s + 1) e``, exact for
-    an error that runs linearly between its samples. The integral stands still while the output is
-    beyond its limit and the error would drive it further.
+    ``output = gain e + integral of (integral_gain e) + derivative_gain s / (time_constant s + 1) e``, exact
+    for an error that runs linearly between its samples. The integral stands still while the output is beyond
+    its limit and the error would drive it further.
 
     Parameters
     ----------
@@ -95,10 +95,10 @@ class Pid:
 class SideSlipController:
     """Four PIDs: ``trim_i = PID(0 - side_slip_i)``.
 
-    Positive side slip makes a force to the left, and a larger steer angle makes more of it (thesis eq. B.11), so
-    this is negative feedback. The trim fades out below ``minimum_speed``, where a slip angle means little.
-    How large a gain may be: `omni_vehicle_ros.control.stability`. With the default actuator, 0.1 s and
-    5 ms, and a period of 5 ms the limit is 20.5, and the largest gain of the thesis, 5, a quarter of it.
+    Positive side slip makes a force to the left, and a larger steer angle makes more of it (thesis eq. B.11),
+    so this is negative feedback. The trim fades out below ``minimum_speed``, where a slip angle means little.
+    How large a gain may be: `omni_vehicle_ros.control.stability`. With the default actuator, 0.1 s and 5 ms,
+    and a period of 5 ms the limit is 20.5, and the largest gain of the thesis, 5, a quarter of it.
 
     Parameters
     ----------
@@ -161,5 +161,7 @@ class SideSlipController:
             pid.reset()
             pid.saturated = False
             return 0.0
-        # A side-slip angle is never past 90 deg, whatever a sensor says.
-        return fade * pid.update(-min(max(side_slip, -0.5 * math.pi), 0.5 * math.pi), self._dt)
+        # A side-slip angle is never past 90 deg, whatever a sensor says; a wheel that rolls backward turns away from
+        # the slip by a larger steer angle, not by a smaller one.
+        slip = math.copysign(min(max(side_slip, -0.5 * math.pi), 0.5 * math.pi), side_slip * speed)
+        return fade * pid.update(-slip, self._dt)

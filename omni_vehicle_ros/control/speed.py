@@ -10,8 +10,8 @@ from omni_vehicle_ros.model.traction import share_force
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
 from omni_vehicle_ros.wheels import PerWheel, per_wheel
 
-# Rate at which the speed of a wheel that has to stop dies away [1/s]. With the default time constant T of the drive,
-# 0.05 s, 4 T rate = 0.8 is below 1: no overshoot, so a brake doesn't drive the vehicle backwards.
+# Rate at which the speed of a wheel that has to stop dies away [1/s]. With the default time constant T of the
+# drive, 0.05 s, 4 T rate = 0.8 is below 1: no overshoot, so a brake doesn't drive the vehicle backwards.
 STOPPING_RATE = 4.0
 
 # Of the integral part, which has to find what pulls at a standing vehicle [1/s2]: critical damping.
@@ -42,7 +42,7 @@ def rolling_signs(unit_speeds: PerWheel) -> PerWheel:
 
 
 def measured_magnitude(unit_speeds: PerWheel, speeds: PerWheel) -> float:
-    """Return the signed magnitude of the motion that fits the measured wheel speeds best [m/s] (least squares)."""
+    """Return the signed magnitude that fits the measured wheel speeds best, by least squares [m/s]."""
     square = sum(unit * unit for unit in unit_speeds)
     return sum(u * v for u, v in zip(unit_speeds, speeds, strict=True)) / square if square else 0.0
 
@@ -57,7 +57,8 @@ def stopping_forces(largest: PerWheel, speeds: PerWheel, mass: float) -> PerWhee
     speeds
         Measured wheel speeds [m/s].
     mass
-        Of the vehicle [kg]; close to standstill a wheel slows down at `STOPPING_RATE`, as if it carried a quarter.
+        Of the vehicle [kg]; close to standstill a wheel slows down at `STOPPING_RATE`, as if it carried a
+        quarter.
     """
     gain = 0.25 * mass * STOPPING_RATE
     return per_wheel(lambda i: -math.copysign(min(abs(largest[i]), gain * abs(speeds[i])), speeds[i]))
@@ -91,7 +92,8 @@ def traction_forces(
     Parameters
     ----------
     total
-        Sum of the traction forces [N]; negative: of the brake forces, each of which opposes its wheel's motion.
+        Sum of the traction forces [N]; negative: of the brake forces, each of which opposes its wheel's
+        motion.
     unit_speeds
         Wheel speeds per magnitude of the commanded motion.
     speeds
@@ -117,7 +119,7 @@ def clipped(forces: PerWheel, limit: float) -> PerWheel:
 
 
 class SpeedController:
-    """PI control with feed-forward on the mean of the wheels while driving, on every single wheel while standing.
+    """PI control with feed-forward: on the mean of the wheels driving, on every single wheel standing.
 
     Parameters
     ----------
@@ -127,8 +129,8 @@ class SpeedController:
     Notes
     -----
     Standing, each wheel follows a reference that dies away from its own speed. The integral part begins when
-    it has died, and sees only what pulls at a standing vehicle, a slope for instance: it doesn't push one back
-    that has just stopped.
+    it has died, and sees only what pulls at a standing vehicle, a slope for instance: it doesn't push one
+    back that has just stopped.
     """
 
     def __init__(self, vehicle: VehicleParameters, steering: SteeringParameters) -> None:

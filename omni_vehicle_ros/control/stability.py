@@ -1,8 +1,8 @@
 """How large the gain of the side-slip controller may be.
 
 Side slip depends at once on the steer angle that corrects it, so the sampled loop is no faster than its
-actuator. With a gain K, a cycle dt and a time constant tau, keep (1 + K) dt / tau well below 1. The limit itself
-is exact here, for a wheel whose velocity doesn't change with its slip; the vehicle's own motion relieves the loop.
+actuator. With a gain K, a cycle dt and a time constant tau, keep (1 + K) dt / tau well below 1. The limit
+itself is exact here for a wheel whose own velocity doesn't change: a vehicle that takes its time to answer.
 """
 
 import cmath
@@ -17,11 +17,10 @@ def side_slip_gain_limit(time_constant: float, delay: float, period: float) -> f
     """Return the proportional gain at which the sampled slip loop begins to oscillate without end.
 
     In each cycle the slip is measured, the trim ``-K alpha`` is set and held, and the actuator follows it
-    after its delay. With delay = (q + f) period, 0 <= f < 1, that is exactly
-    ``x[k+1] = a x[k] + b1 u[k-q] + b0 u[k-q-1]``, ``u = -K x``, with ``a = exp(-period / tau)``,
-    ``b1 = 1 - exp(-(1 - f) period / tau)`` and ``b0 = 1 - a - b1``. The limit is the inverse of the loop's amplitude
-    where its phase first reaches -180 deg (Nyquist). Without delay it is ``(1 + a) / (1 - a)``; with
-    an ideal actuator (tau -> 0), 1.
+    after its delay. With delay = (q + f) period, 0 <= f < 1, that is exactly ``x[k+1] = a x[k] + b1 u[k-q] +
+    b0 u[k-q-1]``, ``u = -K x``, with ``a = exp(-period / tau)``, ``b1 = 1 - exp(-(1 - f) period / tau)`` and
+    ``b0 = 1 - a - b1``. The limit is the inverse of the loop's amplitude where its phase first reaches -180
+    deg (Nyquist). Without delay it is ``(1 + a) / (1 - a)``; with an ideal actuator (tau -> 0), 1.
 
     Parameters
     ----------
@@ -47,7 +46,7 @@ def side_slip_gain_limit(time_constant: float, delay: float, period: float) -> f
 
 
 def _first_crossing(phase: Callable[[float], float]) -> float:
-    """Return the lowest frequency, as angle per cycle, at which a phase falls to -pi; pi if it does only there."""
+    """Return the lowest frequency, as angle per cycle, at which a phase falls to -pi; pi if there only."""
     grid = [math.pi * i / _GRID for i in range(1, _GRID)]
     high = next((frequency for frequency in grid if phase(frequency) <= -math.pi), math.pi)
     low = high - math.pi / _GRID

@@ -39,9 +39,9 @@ class ModuleState(NamedTuple):
 class WheelModule:
     """One wheel module.
 
-    Before its first command it is passive: it keeps the angle and gives no torque. A command
-    older than ``module_timeout`` is stale: the module holds the angle that it has then and brakes its own wheel to
-    rest. A fresh command resumes at once. A trim that is too old is dropped. What is not finite is not taken.
+    Before its first command it is passive: it keeps the angle and gives no torque. A command older than
+    ``module_timeout`` is stale: the module holds the angle that it has then and brakes its own wheel to rest.
+    A fresh command resumes at once. A trim that is too old is dropped. What is not finite is not taken.
 
     Parameters
     ----------

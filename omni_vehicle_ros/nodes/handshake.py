@@ -19,7 +19,13 @@ class Handshake:
     """
 
     def __init__(
-        self, node: Node, role: str, namespace: str, participants: tuple[str, ...], publishers: Iterable[Publisher]
+        self,
+        node: Node,
+        role: str,
+        namespace: str,
+        topics: Iterable[interface.Topic],
+        participants: tuple[str, ...],
+        publishers: Iterable[Publisher],
     ) -> None:
         self.done = False
         self._node, self._namespace = node, namespace
@@ -27,7 +33,7 @@ class Handshake:
         self._publishers = {publisher.topic_name: publisher for publisher in publishers}
         self._peers: list[tuple[str, bool, set[str]]] = []
         others = {*participants} - {role}
-        for row in interface.TOPICS:
+        for row in topics:
             topic = interface.resolve(row.name, namespace)
             readers = {*row.subscribers} | ({interface.RECORDER} if row.recorded else set())
             if role in row.publishers and row.name != 'ready':

@@ -25,8 +25,7 @@ class PlantNode(Shell):
     def __init__(self, context: Context, namespace: str | None = None) -> None:
         super().__init__(interface.PLANT, context=context, namespace=namespace)
         vehicle, plant = declare(self, VehicleParameters), declare(self, PlantParameters)
-        clock = bool(self.declare_parameter('publish_clock', True).value)
-        self._plant = Plant(vehicle, plant, name=self.full_name, publish_clock=clock)
+        self._plant = Plant(vehicle, plant, name=self.full_name, publish_clock=self.pacing.publish_clock)
         self._tick = plant.control_period / self.pacing.realtime_factor
         self._state_timeout = round(plant.state_timeout * 1e9)
         self._states = dict.fromkeys(self._plant.sources, -self._state_timeout - 1)

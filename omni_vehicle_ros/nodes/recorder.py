@@ -45,9 +45,8 @@ class RecorderNode(Shell):
         self._closed = False
         self._reporter = Reporter(self.full_name)
         self.connect()
-        owner = bool(self.declare_parameter('publish_clock', True).value)
-        for row in interface.TOPICS:
-            if row.recorded and (owner or row.name != '/clock'):
+        for row in self.topics():
+            if row.recorded:
                 subscribe_to(self, row, self.vehicle_namespace, self._taker(row), depth=DEPTH, latched=row.qos.latched)
 
     def _taker(self, row: interface.Topic) -> Callable[[bytes], None]:

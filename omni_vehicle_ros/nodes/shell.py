@@ -80,16 +80,20 @@ class Shell(Node):
             sources = (*sources, 'driver/step')
         self.gate = Gate(sources)
         self.connect()
-        for row in interface.TOPICS:
+        for row in self.topics():
             if self.subscribes(row.name) and row.name != 'ready':
                 subscribe_to(self, row, self.vehicle_namespace, self._taker(row))
 
     def connect(self) -> None:
         """Make the publishers of this node."""
-        rows = [row for row in interface.TOPICS if self.publishes(row.name)]
+        rows = [row for row in self.topics() if self.publishes(row.name)]
         self._ports = {row.name: (publish_on(self, row, self.vehicle_namespace), row.type) for row in rows}
         publishers = [publisher for publisher, _ in self._ports.values()]
-        self._handshake = Handshake(self, self.role, self.vehicle_namespace, self.pacing.participants, publishers)
+        self._handshake = Handshake(self, self.role, self.vehicle_namespace, self.topics(), self.pacing.participants, publishers)
+
+    def topics(self) -> list[interface.Topic]:
+        """Return the rows of the wiring table that this vehicle uses: /clock only if it owns it."""
+        return [row for row in interface.TOPICS if row.name != '/clock' or self.pacing.publish_clock]
 
     def publishes(self, topic: str) -> bool:
         """Whether this node publishes on ``topic``."""

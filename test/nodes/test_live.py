@@ -44,7 +44,7 @@ def test_anyone_can_drive(lab: Lab) -> None:
     # Left turn about (0, 8): the angles stay where they were when the driver fell silent.
     assert np.allclose(steer[-1], steer[moving], atol=0.12)
     assert steer[-1][0] > 0.08
-    assert any('stale' in text for _, name, text in diagnostics(lab.path / 'run' / 'bag') if name == '/icr_steering')
+    assert any('command_timeout' in text for _, name, text in diagnostics(lab.path / 'run' / 'bag') if name == '/icr_steering')
 
 
 BAD = """

@@ -2,6 +2,7 @@
 
 import os
 import signal
+from pathlib import Path
 
 import pytest
 
@@ -83,7 +84,7 @@ def test_killed_recorder_keeps_all_but_the_last_moment(lab: Lab) -> None:
     directory = lab.path / 'run' / 'bag'
     until(lambda: (directory / 'bag_0.mcap').exists() and (directory / 'bag_0.mcap').stat().st_size > 400_000, 'some recording')
     before = max(message.log_time for message in read_messages(directory))
-    recorder = [pid for pid in lab.left() if b'nodes.recorder' in open(f'/proc/{pid}/cmdline', 'rb').read()]
+    recorder = [pid for pid in lab.left() if b'nodes.recorder' in Path(f'/proc/{pid}/cmdline').read_bytes()]
     os.kill(recorder[0], signal.SIGKILL)
     _, errors = finish(command, 2)
     assert 'recorder ended with code -9' in errors
@@ -100,7 +101,7 @@ def test_dead_module_is_named(lab: Lab) -> None:
     command = lab.command('run', str(lab.scenario(LONG)), '--out', 'run')
     bag = lab.path / 'run' / 'bag' / 'bag_0.mcap'
     until(lambda: bag.exists() and bag.stat().st_size > 200_000, 'a second or two of recording')
-    module = next(pid for pid in lab.left() if b'__ns:=/rear_left' in open(f'/proc/{pid}/cmdline', 'rb').read())
+    module = next(pid for pid in lab.left() if b'__ns:=/rear_left' in Path(f'/proc/{pid}/cmdline').read_bytes())
     os.kill(module, signal.SIGKILL)
     _, errors = finish(command, 2)
     assert 'rear_left/wheel_module ended with code -9' in errors
