@@ -10,8 +10,8 @@ from typing import Annotated
 import typer
 
 from omni_vehicle_ros import __version__
-from omni_vehicle_ros.executables import ENDING, release_signals
 from omni_vehicle_ros.errors import OmniVehicleError, RunError
+from omni_vehicle_ros.executables import ENDING, release_signals
 from omni_vehicle_ros.run import MODES, PACINGS, Interrupted, RunResult, run_scenario, start_vehicle
 from omni_vehicle_ros.scenarios import load_scenario, scenario_names
 
@@ -19,14 +19,37 @@ EXIT_USAGE = 2
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
-Settings = Annotated[list[str] | None, typer.Option('--set', metavar='KEY=VALUE', help="Override a value of the scenario, in SI units; may be given again.")]
-Out = Annotated[Path | None, typer.Option('--out', metavar='DIR', help='Directory for the results; must not exist. Default: runs/<scenario>-<date>.')]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        '--set', metavar='KEY=VALUE', help='Override a value of the scenario, in SI units; may be given again.'
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        '--out', metavar='DIR', help='Directory for the results; must not exist. Default: runs/<scenario>-<date>.'
+    ),
+]
 Namespace = Annotated[str, typer.Option('--namespace', help='Namespace of the vehicle.')]
-ClockOwner = Annotated[bool, typer.Option('--clock/--no-clock', help='Whether this vehicle owns /clock; one of several does.')]
+ClockOwner = Annotated[
+    bool, typer.Option('--clock/--no-clock', help='Whether this vehicle owns /clock; one of several does.')
+]
 
 
-@app.callback(invoke_without_command=False)
-def omni_vehicle() -> None:
+def print_version(wanted: bool) -> None:
+    """Print the version and end."""
+    if wanted:
+        print(__version__)
+        raise typer.Exit
+
+
+@app.callback()
+def omni_vehicle(
+    version: Annotated[
+        bool, typer.Option('--version', callback=print_version, is_eager=True, help='Print the version.')
+    ] = False,
+) -> None:
     """Steer-by-wire for a vehicle whose four wheels steer and drive independently."""
 
 
@@ -65,7 +88,10 @@ def start(
     """Start a vehicle in real time, for anyone to drive, and record it until Ctrl-C."""
     loaded = load_scenario(scenario, settings or [])
     directory = out or Path('runs') / f'start-{time.strftime("%Y%m%d-%H%M%S")}'
-    print(f'starting; publish on driver/icr and driver/speed, or on cmd_vel, to drive; Ctrl-C ends. Results: {directory}', flush=True)
+    print(
+        f'starting; publish on driver/icr and driver/speed, or on cmd_vel, to drive; Ctrl-C ends. Results: {directory}',
+        flush=True,
+    )
     start_vehicle(loaded, directory, namespace=namespace, publish_clock=clock)
     print(f'bag     {directory / "bag"}\nreport  {directory / "report.html"}')
 
@@ -75,12 +101,6 @@ def scenarios() -> None:
     """List the scenarios."""
     for name in scenario_names():
         print(f'{name:20} {load_scenario(name).description.splitlines()[0]}')
-
-
-@app.command()
-def version() -> None:
-    """Print the version."""
-    print(__version__)
 
 
 def choose(option: str, value: str, allowed: tuple[str, ...]) -> None:

@@ -17,7 +17,12 @@ class ProgressBar:
     """Shows how far a run is, in simulated time."""
 
     def __init__(self, name: str, duration: float) -> None:
-        columns = (TextColumn('{task.description}'), BarColumn(), TextColumn('{task.completed:.1f} of {task.total:.1f} s'), TimeElapsedColumn())
+        columns = (
+            TextColumn('{task.description}'),
+            BarColumn(),
+            TextColumn('{task.completed:.1f} of {task.total:.1f} s'),
+            TimeElapsedColumn(),
+        )
         self._progress = Progress(*columns, console=Console(stderr=True))
         self._task = self._progress.add_task(name, total=duration)
 
@@ -26,7 +31,9 @@ class ProgressBar:
         self._progress.start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         """Leave the bar as it is."""
         self._progress.stop()
 
@@ -50,12 +57,17 @@ def results_table(scenario: Scenario, result: RunResult) -> None:
     console = Console(soft_wrap=True)
     console.print(table)
     x, y, heading = metrics['path']['final']
-    speed = metrics['speed']
-    console.print(f'end at x {x:.2f} m, y {y:.2f} m, heading {math.degrees(heading):.1f} deg; path radius {_number(metrics["path"]["radius"])} m')
-    console.print(f'speed {_number(speed["initial"])} -> {_number(speed["final"])} m/s; yaw rate {_number(metrics["yaw_rate"]["steady_state"])} rad/s')
+    speed, radius, yaw_rate = metrics['speed'], metrics['path']['radius'], metrics['yaw_rate']['steady_state']
     rate = scenario.duration / result.wall_time
-    console.print(f'{result.messages} messages, {result.lost} lost; {scenario.duration:g} s in {result.wall_time:.1f} s, {rate:.1f} x real time')
-    console.print(f'bag     {result.bag}\nreport  {result.report}', highlight=False)
+    for line in (
+        f'end at x {x:.2f} m, y {y:.2f} m, heading {math.degrees(heading):.1f} deg; path radius {_number(radius)} m',
+        f'speed {_number(speed["initial"])} -> {_number(speed["final"])} m/s; yaw rate {_number(yaw_rate)} rad/s',
+        f'{result.messages} messages, {result.lost} lost; '
+        f'{scenario.duration:g} s in {result.wall_time:.1f} s, {rate:.1f} x real time',
+        f'bag     {result.bag}',
+        f'report  {result.report}',
+    ):
+        console.print(line, highlight=False)
 
 
 def _number(value: Any, factor: float = 1.0) -> str:

@@ -197,12 +197,17 @@ def node_parameters(
 ) -> dict[str, Any]:
     """Return the parameter file of all nodes of a scenario, as nested mappings."""
     vehicle = plain(scenario.vehicle.as_dict())
-    common = {'pacing': pacing, 'publish_clock': publish_clock, 'participants': list(participants), 'control_period': scenario.plant.control_period}
+    common = {
+        'pacing': pacing,
+        'publish_clock': publish_clock,
+        'participants': list(participants),
+        'control_period': scenario.plant.control_period,
+    }
     nodes: dict[str, dict[str, Any]] = {
         PLANT: {**vehicle, **plain(scenario.plant.as_dict())},
         ICR_STEERING: {**vehicle, **plain(scenario.steering.as_dict())},
         SIDE_SLIP_CONTROLLER: plain(scenario.side_slip.as_dict()),
-        'wheel_module': {**vehicle, **plain(scenario.wheel_module.as_dict())},
+        'wheel_module': plain(scenario.wheel_module.as_dict()),
         DRIVER: {'scenario': str(directory / 'scenario.yaml')},
         RECORDER: {'directory': str(directory / 'bag')},
     }

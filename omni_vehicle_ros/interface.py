@@ -39,7 +39,23 @@ LATCHED = Qos(depth=16, latched=True)
 
 
 class Topic(NamedTuple):
-    """One row of the wiring table."""
+    """One row of the wiring table.
+
+    Attributes
+    ----------
+    name, type, qos, frame
+        As in ROS.
+    publishers, subscribers
+        Nodes, relative to the namespace of the vehicle; `ANYONE` for what any user may publish.
+    text, fields
+        What it says, and what each field means.
+    cyclic
+        Whether there is one message in every control cycle.
+    recorded
+        Whether the recorder writes it.
+    example
+        A message to publish by hand, as ``ros2 topic pub`` takes it.
+    """
 
     name: str
     type: str
@@ -51,6 +67,7 @@ class Topic(NamedTuple):
     frame: str = ''
     cyclic: bool = False
     recorded: bool = True
+    example: str = ''
 
 
 def _wheel_topics(number: int) -> tuple[Topic, ...]:
@@ -98,10 +115,11 @@ TOPICS: tuple[Topic, ...] = (
         (
             ('header.stamp', 'when it was said; 0 means now'),
             ('header.frame_id', 'base_link, or empty'),
-            ('point.x, point.y', 'ICR ahead of and to the left of the centre of gravity [m]; farther away than straight_radius '
-             '(1e5 m): straight on if it lies across, else crab across its bearing'),
+            ('point.x, point.y', 'ICR ahead of and to the left of the centre of gravity [m]; farther away than '
+             'straight_radius (1e5 m): straight on if it lies across, else crab across its bearing'),
             ('point.z', 'not used'),
         ), BASE_FRAME,
+        example='{header: {frame_id: base_link}, point: {x: 0.0, y: 8.0}}',
     ),
     Topic(
         'driver/speed', 'geometry_msgs/msg/TwistStamped', COMMAND, (DRIVER, ANYONE), (ICR_STEERING,),
@@ -112,6 +130,7 @@ TOPICS: tuple[Topic, ...] = (
             ('twist.linear.x', 'signed speed of the centre of gravity [m/s]'),
             ('the rest', 'not used'),
         ), BASE_FRAME,
+        example='{header: {frame_id: base_link}, twist: {linear: {x: 2.0}}}',
     ),
     Topic(
         'driver/traction', 'geometry_msgs/msg/WrenchStamped', COMMAND, (DRIVER, ANYONE), (ICR_STEERING,),
@@ -123,6 +142,7 @@ TOPICS: tuple[Topic, ...] = (
             ('wrench.torque.z', 'yaw moment by more traction on one side than on the other [N m]'),
             ('the rest', 'not used'),
         ), BASE_FRAME,
+        example='{header: {frame_id: base_link}, wrench: {force: {x: 500.0}}}',
     ),
     Topic(
         'cmd_vel', 'geometry_msgs/msg/TwistStamped', COMMAND, (DRIVER, ANYONE), (ICR_STEERING,),
@@ -134,6 +154,7 @@ TOPICS: tuple[Topic, ...] = (
             ('twist.angular.z', 'yaw rate, anticlockwise [rad/s]'),
             ('the rest', 'not used'),
         ), BASE_FRAME,
+        example='{header: {frame_id: base_link}, twist: {linear: {x: 1.0, y: 1.0}, angular: {z: 0.2}}}',
     ),
     Topic(
         'driver/step', 'sensor_msgs/msg/TimeReference', COMMAND, (DRIVER,), (ICR_STEERING, PLANT, RECORDER),
@@ -174,7 +195,7 @@ TOPICS: tuple[Topic, ...] = (
             ('header.stamp', 'simulated time'),
             ('orientation', 'heading, and the roll of the body (quaternion)'),
             ('angular_velocity.z', 'yaw rate [rad/s]'),
-            ('linear_acceleration', 'what an accelerometer in the plane of the road feels: tyre forces per mass [m/s2]; z: gravity'),
+            ('linear_acceleration', 'what an accelerometer in the road plane feels: tyre forces per mass [m/s2]; z: gravity'),
         ), BASE_FRAME, cyclic=True,
     ),
     Topic(
@@ -206,6 +227,7 @@ TOPICS: tuple[Topic, ...] = (
             ('vector.x', 'bank angle [rad]; positive pushes the vehicle to its left'),
             ('the rest', 'not used'),
         ), BASE_FRAME,
+        example='{vector: {x: 0.02}}',
     ),
     Topic(
         'environment/wind', 'geometry_msgs/msg/Vector3Stamped', LATCHED, (DRIVER, ANYONE), (PLANT,),
@@ -215,6 +237,7 @@ TOPICS: tuple[Topic, ...] = (
             ('vector.y', 'wind speed [m/s]; positive blows to the left of the vehicle'),
             ('the rest', 'not used'),
         ), BASE_FRAME,
+        example='{vector: {y: 5.0}}',
     ),
     Topic(
         'environment/friction', 'sensor_msgs/msg/JointState', LATCHED, (DRIVER, ANYONE), (PLANT,),
@@ -224,10 +247,11 @@ TOPICS: tuple[Topic, ...] = (
             ('name', 'wheels; those not named keep their friction'),
             ('effort', 'friction coefficients [1]'),
         ),
+        example='{name: [front_left, front_right, rear_left, rear_right], effort: [0.5, 0.5, 0.5, 0.5]}',
     ),
     Topic(
         'recorder/step', 'sensor_msgs/msg/TimeReference', COMMAND, (RECORDER,), (PLANT,),
-        'Lock step only: the recorder has written all that came before this cycle; the plant does not run far ahead of it.',
+        'Lock step only: the recorder has what came before this cycle; the plant does not run far ahead of it.',
         (
             ('header.stamp', 'the cycle'),
             ('source', 'recorder'),

@@ -8,8 +8,10 @@ Defaults of the vehicle: thesis, Appendix A.
 import dataclasses
 import difflib
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Dict, Mapping, Optional, Tuple, Type, TypeVar
+from itertools import pairwise
+from typing import Any, TypeVar
 
 from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.wheels import PerWheel
@@ -22,9 +24,9 @@ def parameter(
     text: str,
     *,
     unit: str = '',
-    low: Optional[float] = None,
-    high: Optional[float] = None,
-    choices: Tuple[str, ...] = (),
+    low: float | None = None,
+    high: float | None = None,
+    choices: tuple[str, ...] = (),
 ) -> Any:
     """Declare one field of a parameter class.
 
@@ -61,7 +63,7 @@ class Parameters:
             object.__setattr__(self, entry.name, value)
 
     @classmethod
-    def from_mapping(cls: Type[P], values: Mapping[str, Any]) -> P:
+    def from_mapping(cls: type[P], values: Mapping[str, Any]) -> P:
         """Make an instance from names and values; what is not named keeps its default."""
         known = [entry.name for entry in dataclasses.fields(cls)]  # type: ignore[arg-type]
         for name in values:
@@ -69,7 +71,7 @@ class Parameters:
                 raise ParameterError(f'unknown parameter {name!r}{did_you_mean(name, known)}')
         return cls(**values)
 
-    def as_dict(self) -> Dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """Return names and values, in the order of declaration."""
         return {entry.name: getattr(self, entry.name) for entry in dataclasses.fields(self)}  # type: ignore[arg-type]
 
@@ -149,8 +151,8 @@ class VehicleParameters(Parameters):
     relaxation_length: float = parameter(0.35, 'Relaxation length of a tyre; acts below walking pace only.', unit='m', low=0.05, high=2.0)
     air_density: float = parameter(1.2, 'Density of the air.', unit='kg/m3', low=0.0, high=2.0)
     side_area: float = parameter(1.2, 'Area that the lateral wind acts on.', unit='m2', low=0.0, high=200.0)
-    airflow_angles: Tuple[float, ...] = parameter((0.3455,), 'Airflow angles of the side force table, rising.', unit='rad', low=0.0, high=1.5708)
-    side_force_coefficients: Tuple[float, ...] = parameter((0.58,), 'Side force coefficients at airflow_angles.', low=0.0, high=10.0)
+    airflow_angles: tuple[float, ...] = parameter((0.3455,), 'Airflow angles of the side force table, rising.', unit='rad', low=0.0, high=1.5708)
+    side_force_coefficients: tuple[float, ...] = parameter((0.58,), 'Side force coefficients at airflow_angles.', low=0.0, high=10.0)
     aerodynamic_centre: float = parameter(0.0, 'Distance of the aerodynamic centre ahead of the centre of gravity.', unit='m', low=-10.0, high=10.0)
     gravity: float = parameter(9.81, 'Acceleration of gravity.', unit='m/s2', low=0.1, high=30.0)
 
@@ -167,7 +169,7 @@ class VehicleParameters(Parameters):
         angles = self.airflow_angles
         if not angles or len(angles) != len(self.side_force_coefficients):
             raise ParameterError('airflow_angles and side_force_coefficients: must have the same length, 1 or more')
-        if any(b <= a for a, b in zip(angles, angles[1:])):
+        if any(b <= a for a, b in pairwise(angles)):
             raise ParameterError(f'airflow_angles: {list(angles)} must rise')
 
     @property
@@ -277,7 +279,7 @@ class PacingParameters(Parameters):
     wait_limit: float = parameter(4.0, 'Wall time that a node waits for an input in lock step before it goes on without.', unit='s', low=0.01, high=600.0)
     publish_clock: bool = parameter(True, 'The plant of this vehicle owns /clock; of several vehicles, one does.')
     start_limit: float = parameter(30.0, 'Wall time that the plant waits for the participants in lock step.', unit='s', low=0.1, high=600.0)
-    participants: Tuple[str, ...] = parameter(
+    participants: tuple[str, ...] = parameter(
         ('plant', 'front_left/wheel_module', 'front_right/wheel_module', 'rear_left/wheel_module', 'rear_right/wheel_module',
          'icr_steering', 'side_slip_controller'),
         'Nodes that take part; in lock step all of them are waited for.',

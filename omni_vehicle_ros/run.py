@@ -60,7 +60,9 @@ def check_namespace(namespace: str) -> None:
         It has something other than letters, digits and underscores between slashes.
     """
     if not re.fullmatch(r'/?([A-Za-z_]\w*(/[A-Za-z_]\w*)*)?/?', namespace, re.ASCII):
-        raise RunError(f'--namespace: {namespace!r} must be letters, digits and underscores between slashes, such as car1')
+        raise RunError(
+            f'--namespace: {namespace!r} must be letters, digits and underscores between slashes, such as car1'
+        )
 
 
 def new_directory(directory: Path) -> Path:
@@ -138,11 +140,13 @@ def run_scenario(
         if graph.interrupted:
             raise Interrupted(f'interrupted; {messages} messages lie in {directory / "bag"}')
     wall_time = time.monotonic() - began
-    return RunResult(directory / 'bag', directory / 'report.html', analyse(directory, scenario), messages, lost, wall_time)
+    return RunResult(
+        directory / 'bag', directory / 'report.html', analyse(directory, scenario), messages, lost, wall_time
+    )
 
 
 def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', publish_clock: bool = True) -> None:
-    """Start the vehicle of a scenario in real time without a driver; record and analyse what it does until a signal comes.
+    """Start the vehicle of a scenario in real time without a driver; record until a signal comes, then analyse.
 
     Raises
     ------
@@ -156,7 +160,13 @@ def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', p
     new_directory(directory)
     (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
     graph = Graph(
-        directory, scenario, nodes, one_process=False, pacing='realtime', namespace=namespace, publish_clock=publish_clock
+        directory,
+        scenario,
+        nodes,
+        one_process=False,
+        pacing='realtime',
+        namespace=namespace,
+        publish_clock=publish_clock,
     )
     graph.run(lambda time: None)
     analyse(directory, scenario)

@@ -37,7 +37,7 @@ class Simulation:
         self.end = scenario.cycles * round(period * 1e9)
         self.plant = Plant(scenario.vehicle, scenario.plant)
         modules = [
-            WheelModule(wheel, scenario.wheel_module, scenario.vehicle, period, trimmed=scenario.side_slip_control) for wheel in WHEELS
+            WheelModule(wheel, scenario.wheel_module, period, trimmed=scenario.side_slip_control) for wheel in WHEELS
         ]
         # The order is that of the block diagram: who speaks first is heard by those after it in the same cycle.
         self._chain: list[tuple[str, Component]] = [
@@ -84,7 +84,9 @@ def simulate(scenario: Scenario, bag: Path, progress: Callable[[float], None] = 
     journal = Journal(writer, '', round(scenario.plant.control_period * 1e9))
     types = {row.name: row.type for row in TOPICS}
     try:
-        Simulation(scenario, lambda output: journal.add(output.topic, encode(types[output.topic], output.value))).run(progress)
+        Simulation(scenario, lambda output: journal.add(output.topic, encode(types[output.topic], output.value))).run(
+            progress
+        )
     finally:
         journal.flush()
         writer.close()

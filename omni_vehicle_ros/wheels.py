@@ -1,16 +1,17 @@
 """The four wheels: their names and their order, the same everywhere."""
 
-from typing import Callable, Literal, Tuple, TypeVar
+from collections.abc import Callable
+from typing import Literal, TypeVar
 
-PerWheel = Tuple[float, float, float, float]
+PerWheel = tuple[float, float, float, float]
 WheelName = Literal['front_left', 'front_right', 'rear_left', 'rear_right']
 
-WHEELS: Tuple[WheelName, ...] = ('front_left', 'front_right', 'rear_left', 'rear_right')
+WHEELS: tuple[WheelName, ...] = ('front_left', 'front_right', 'rear_left', 'rear_right')
 
 T = TypeVar('T')
 
 
-def per_wheel(function: Callable[[int], T]) -> Tuple[T, T, T, T]:
+def per_wheel(function: Callable[[int], T]) -> tuple[T, T, T, T]:
     """Return ``function(i)`` for the wheels i = 0..3 (front left, front right, rear left, rear right)."""
     return function(0), function(1), function(2), function(3)
 

@@ -52,6 +52,12 @@ class Gate:
             return ()
         return tuple(source for source, stamp in self._answered.items() if stamp < self._open)
 
+    def absent(self) -> str:
+        """Say what the open cycle lacks."""
+        sources = [source for source in self.missing() if source not in self.lost]
+        topics = [topic for topic, count in self._announced.items() if self._heard[topic] < count]
+        return ', '.join(sources + topics) or 'nothing'
+
     def ready(self) -> int | None:
         """Return the stamp [ns] of the open cycle if it is complete, else None."""
         if self._open is None:

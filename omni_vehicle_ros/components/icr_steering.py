@@ -15,7 +15,12 @@ class IcrSteering:
     sources: tuple[str, ...] = ()
 
     def __init__(
-        self, vehicle: VehicleParameters, steering: SteeringParameters, control_period: float, *, name: str = '/icr_steering'
+        self,
+        vehicle: VehicleParameters,
+        steering: SteeringParameters,
+        control_period: float,
+        *,
+        name: str = '/icr_steering',
     ) -> None:
         self.name = name
         self._law = Law(vehicle, steering, control_period)

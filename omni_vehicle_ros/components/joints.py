@@ -35,7 +35,11 @@ def vehicle_joints(value: Joints) -> VehicleJoints | None:
     """Read ``joint_states``; None where joints are missing or a number is not finite."""
     if value.names != JOINT_NAMES:
         value = _sorted(value)
-    if len(value.position) != 8 or len(value.velocity) != 8 or not all(map(math.isfinite, value.position + value.velocity)):
+    if (
+        len(value.position) != 8
+        or len(value.velocity) != 8
+        or not all(map(math.isfinite, value.position + value.velocity))
+    ):
         return None
     position, velocity = value.position, value.velocity
     effort = value.effort if len(value.effort) == 8 else ZEROS + ZEROS

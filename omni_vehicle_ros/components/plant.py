@@ -39,7 +39,9 @@ class Plant:
     beat = ''
     sources = tuple(f'{wheel}/state' for wheel in WHEELS)
 
-    def __init__(self, vehicle: VehicleParameters, plant: PlantParameters, *, name: str = '/plant', publish_clock: bool = True) -> None:
+    def __init__(
+        self, vehicle: VehicleParameters, plant: PlantParameters, *, name: str = '/plant', publish_clock: bool = True
+    ) -> None:
         self.name = name
         self.period = round(plant.control_period * 1e9)
         self.end: int | None = None
@@ -67,7 +69,9 @@ class Plant:
 
     def _take_actuators(self, wheel: int, value: Joints) -> None:
         if len(value.position) != 2 or len(value.velocity) != 2 or len(value.effort) != 2:
-            self._rejected = f'{WHEELS[wheel]}/state has no angle, rate and torque of steer and drive; the last one is kept'
+            self._rejected = (
+                f'{WHEELS[wheel]}/state has no angle, rate and torque of steer and drive; the last one is kept'
+            )
             return
         actuators = _Actuators(value.position[0], value.velocity[0], value.effort[1])
         if not all(map(math.isfinite, actuators)):
@@ -103,8 +107,15 @@ class Plant:
         rate = per_wheel(lambda i: actuators[i].rate)
         self._force = per_wheel(lambda i: actuators[i].torque / radius)
         self._state = model.advance(
-            self._state, angle, rate, self._force, self._environment, self._constants,
-            period, self._plant.integration_step, self._plant.constant_speed,
+            self._state,
+            angle,
+            rate,
+            self._force,
+            self._environment,
+            self._constants,
+            period,
+            self._plant.integration_step,
+            self._plant.constant_speed,
         )
         self._actuators = [_Actuators(a.angle + a.rate * period, a.rate, a.torque) for a in actuators]
         before, speed = self._wheel_speed, self._speeds()
@@ -118,7 +129,10 @@ class Plant:
         x, y, radius = self._vehicle.wheel_x, self._vehicle.wheel_y, self._vehicle.wheel_radius
         angles = [a.angle for a in self._actuators]
         return per_wheel(
-            lambda i: (math.cos(angles[i]) * (state.vx - y[i] * state.r) + math.sin(angles[i]) * (state.vy + x[i] * state.r)) / radius
+            lambda i: (
+                (math.cos(angles[i]) * (state.vx - y[i] * state.r) + math.sin(angles[i]) * (state.vy + x[i] * state.r))
+                / radius
+            )
         )
 
     def _sense(self, stamp: int) -> list[Output]:
@@ -127,9 +141,19 @@ class Plant:
         actuators, speed = self._actuators, self._wheel_speed
         state = state_view(self._state)
         angles = per_wheel(lambda i: actuators[i].angle)
-        now = body.evaluate(self._state, body.Inputs(angles, self._force), self._environment, self._constants, self._plant.constant_speed)
+        now = body.evaluate(
+            self._state,
+            body.Inputs(angles, self._force),
+            self._environment,
+            self._constants,
+            self._plant.constant_speed,
+        )
         joints = VehicleJoints(
-            angles, per_wheel(lambda i: actuators[i].rate), self._rotation, speed, per_wheel(lambda i: actuators[i].torque)
+            angles,
+            per_wheel(lambda i: actuators[i].rate),
+            self._rotation,
+            speed,
+            per_wheel(lambda i: actuators[i].torque),
         )
         radius = self._vehicle.wheel_radius
         forces = tuple(zip(now.longitudinal_force, now.lateral_force, now.vertical_load, strict=True))

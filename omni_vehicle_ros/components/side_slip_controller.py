@@ -30,8 +30,8 @@ class SideSlipController:
         """Take the side slip of the four tyres; what is missing counts as no number."""
         if not isinstance(value, Joints):
             return
-        slip = dict(zip(value.names, value.position))
-        speed = dict(zip(value.names, value.velocity))
+        slip = dict(zip(value.names, value.position, strict=False))
+        speed = dict(zip(value.names, value.velocity, strict=False))
         self._slip = per_wheel(lambda i: slip.get(WHEELS[i], _NO_NUMBER))
         self._speed = per_wheel(lambda i: speed.get(WHEELS[i], _NO_NUMBER))
 

@@ -5,7 +5,7 @@ from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
 from omni_vehicle_ros.control.wheel_module import Setpoint
 from omni_vehicle_ros.control.wheel_module import WheelModule as Law
 from omni_vehicle_ros.messages import Joints
-from omni_vehicle_ros.parameters import VehicleParameters, WheelModuleParameters
+from omni_vehicle_ros.parameters import WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
 
@@ -16,8 +16,8 @@ class WheelModule:
     ----------
     wheel
         One of the four names.
-    parameters, vehicle
-        The actuators, and the wheel radius.
+    parameters
+        The actuators, and when it stops trusting its command.
     control_period
         Time from one cycle to the next [s].
     trimmed
@@ -30,7 +30,6 @@ class WheelModule:
         self,
         wheel: str,
         parameters: WheelModuleParameters,
-        vehicle: VehicleParameters,
         control_period: float,
         *,
         trimmed: bool = True,
@@ -40,8 +39,8 @@ class WheelModule:
         self.wheel = wheel
         command, trim = f'{wheel}/command', f'{wheel}/steer_trim'
         self.sources: tuple[str, ...] = (command, trim) if trimmed else (command,)
-        self._index = WHEELS.index(wheel)  # type: ignore[arg-type]
-        self._law = Law(parameters, vehicle, control_period)
+        self._index = WHEELS.index(wheel)
+        self._law = Law(parameters, control_period)
         self._wheel_speed = 0.0
         self._malformed = ''
         self._reporter = Reporter(self.name)
@@ -58,7 +57,9 @@ class WheelModule:
             if (len(value.position), len(value.velocity), len(value.effort)) == (2, 2, 2):
                 self._law.command(Setpoint(value.stamp, value.position[0], value.velocity[1], value.effort[1]))
             else:
-                self._malformed = f'{topic} needs position, velocity and effort of steer and drive; the last one is kept'
+                self._malformed = (
+                    f'{topic} needs position, velocity and effort of steer and drive; the last one is kept'
+                )
         elif len(value.position) == 1:
             self._law.trim(value.stamp, value.position[0])
         else:

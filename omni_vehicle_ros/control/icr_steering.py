@@ -22,6 +22,12 @@ from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 # Actuator lag and side-slip trims are within this of the set-points [rad], and no reason to slow down.
 _ALIGNED = 0.2
 
+# With a wheel so far off [rad] the vehicle would be dragged, not driven: it waits.
+_MISALIGNED = 0.8
+
+# Wheel speeds of a vehicle at rest [m/s].
+_REST_SPEED = 0.05
+
 # A wheel slower than this share of the fastest is near the ICR: where it points hardly matters.
 _SLOW_WHEEL = 0.05
 
@@ -159,10 +165,18 @@ class IcrSteering:
             # Wheels that point ahead begin there; from any other angles the set-points go over at once.
             self._motion = STRAIGHT if max(map(abs, self._measured_angles)) < _ALIGNED else target
         sense = 1.0 if self._steering.steering_rule == 'road' else nearest(target, self._motion)
-        rate = self._steering.motion_rate_limit
+        # A vehicle at rest need not pass through all the motions in between: the wheels turn first, then it goes.
+        rate = 0.0 if self._at_rest() else self._steering.motion_rate_limit
         aim = target if sense > 0.0 else opposite(target)
         self._motion = turn_towards(self._motion, aim, rate * dt if rate else math.inf)
         return sense
+
+    def _at_rest(self) -> bool:
+        return (
+            self._steering.alignment_slowdown
+            and not self._magnitude
+            and max(map(abs, self._measured_speeds)) < _REST_SPEED
+        )
 
     def _follow(self, demand: Demand, sense: float, dt: float) -> Setpoints:
         if self._motion is None or self._angles is None:
@@ -222,7 +236,7 @@ class IcrSteering:
         return min(max(measured_magnitude(unit_speeds, self._measured_speeds), -most), most)
 
     def _alignment(self, unit_speeds: PerWheel) -> float:
-        """Return 1 if the wheels point where they should, down to 0 if one of them is 90 deg off."""
+        """Return 1 if the wheels point where they should, down to 0 if one of them is far off."""
         if not self._steering.alignment_slowdown or self._angles is None:
             return 1.0
         relevant = _SLOW_WHEEL * max(map(abs, unit_speeds))
@@ -231,7 +245,7 @@ class IcrSteering:
             for angle, measured, unit in zip(self._angles, self._measured_angles, unit_speeds, strict=True)
             if abs(unit) >= relevant
         )
-        return min(max(math.cos(min(error, math.pi)) / math.cos(_ALIGNED), 0.0), 1.0)
+        return min(max((_MISALIGNED - error) / (_MISALIGNED - _ALIGNED), 0.0), 1.0)
 
     def _set(self, speeds: PerWheel, forces: PerWheel) -> Setpoints:
         radius = self._vehicle.wheel_radius

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from omni_vehicle_ros.control.actuator import DriveActuator, SteerActuator
 from omni_vehicle_ros.control.freshness import CommandMonitor, Freshness
 from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
-from omni_vehicle_ros.parameters import VehicleParameters, WheelModuleParameters
+from omni_vehicle_ros.parameters import WheelModuleParameters
 
 
 class Setpoint(NamedTuple):
@@ -53,7 +53,7 @@ class WheelModule:
         Time from one cycle to the next [s].
     """
 
-    def __init__(self, parameters: WheelModuleParameters, vehicle: VehicleParameters, control_period: float) -> None:
+    def __init__(self, parameters: WheelModuleParameters, control_period: float) -> None:
         self._parameters = parameters
         self._period = control_period
         self._steer = SteerActuator(parameters)

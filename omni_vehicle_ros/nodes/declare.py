@@ -1,6 +1,7 @@
 """ROS parameters from the parameter classes: descriptor, range, coercion and refusal with the reason."""
 
 import dataclasses
+from array import array
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -30,14 +31,16 @@ def declare(node: Node, parameters: type[P], *, only: tuple[str, ...] = (), chan
             continue
         default = list(entry.default) if isinstance(entry.default, tuple) else entry.default
         declared = node.declare_parameter(entry.name, default, _descriptor(entry, changeable))
-        values[entry.name] = check_value(entry, declared.value)
+        values[entry.name] = check_value(entry, _plain(declared.value))
         _store_coerced(node, entry.name, values[entry.name])
     return parameters.from_mapping(values)
 
 
 def _descriptor(entry: 'dataclasses.Field[Any]', changeable: bool) -> ParameterDescriptor:
     unit, choices = entry.metadata['unit'], entry.metadata['choices']
-    text = entry.metadata['text'] + (f' [{unit}]' if unit else '') + (f' One of: {", ".join(choices)}.' if choices else '')
+    text = (
+        entry.metadata['text'] + (f' [{unit}]' if unit else '') + (f' One of: {", ".join(choices)}.' if choices else '')
+    )
     descriptor = ParameterDescriptor(description=text, dynamic_typing=True, read_only=not changeable)
     low, high = entry.metadata['low'], entry.metadata['high']
     if low is not None or high is not None:
@@ -48,6 +51,11 @@ def _descriptor(entry: 'dataclasses.Field[Any]', changeable: bool) -> ParameterD
     return descriptor
 
 
+def _plain(value: Any) -> Any:
+    """Return a list where rclpy has an array."""
+    return list(value) if isinstance(value, array) else value
+
+
 def _store_coerced(node: Node, name: str, value: Any) -> None:
     """Let the node hold the value in its declared type, so that ``ros2 param get`` shows a double."""
     plain = list(value) if isinstance(value, tuple) else value
@@ -56,12 +64,12 @@ def _store_coerced(node: Node, name: str, value: Any) -> None:
 
 
 def on_change(node: Node, current: P, apply: Callable[[P], None]) -> None:
-    """Call ``apply`` with the new parameters whenever some of ``current``'s are set; refuse bad ones with the reason."""
+    """Call ``apply`` with the new parameters whenever some of ``current`` are set; refuse bad ones with the reason."""
     held = [current]
 
     def check(changes: list[Parameter]) -> SetParametersResult:
         names = {entry.name for entry in dataclasses.fields(held[0])}  # type: ignore[arg-type]
-        values = {change.name: change.value for change in changes if change.name in names}
+        values = {change.name: _plain(change.value) for change in changes if change.name in names}
         if values:
             try:
                 held[0] = type(held[0]).from_mapping({**held[0].as_dict(), **values})

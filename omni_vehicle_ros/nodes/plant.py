@@ -85,7 +85,9 @@ class PlantNode(Shell):
         others = {*self.pacing.participants} - self._ready
         if self.lockstep and others:
             if time.monotonic() - self._made > self.pacing.start_limit:
-                raise StartError(f'not ready after {self.pacing.start_limit:g} s: {", ".join(sorted(others))}; are they running?')
+                raise StartError(
+                    f'not ready after {self.pacing.start_limit:g} s: {", ".join(sorted(others))}; are they running?'
+                )
             return
         self._begun = True
         self._due = time.monotonic() + self._tick

@@ -39,7 +39,9 @@ def subscription_profile(qos: Qos, *, depth: int | None = None, latched: bool = 
 
 def publish_on(node: Node, topic: Topic, namespace: str) -> Publisher:
     """Make the publisher of a topic of the vehicle in ``namespace``."""
-    return node.create_publisher(message_class(topic.type), resolve(topic.name, namespace), publisher_profile(topic.qos))
+    return node.create_publisher(
+        message_class(topic.type), resolve(topic.name, namespace), publisher_profile(topic.qos)
+    )
 
 
 def subscribe_to(
@@ -53,4 +55,6 @@ def subscribe_to(
 ) -> Subscription:
     """Make a subscription that hands over the bytes of each message."""
     profile = subscription_profile(topic.qos, depth=depth, latched=latched)
-    return node.create_subscription(message_class(topic.type), resolve(topic.name, namespace), callback, profile, raw=True)
+    return node.create_subscription(
+        message_class(topic.type), resolve(topic.name, namespace), callback, profile, raw=True
+    )

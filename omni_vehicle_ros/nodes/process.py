@@ -9,15 +9,22 @@ from types import FrameType
 
 import rclpy
 from rclpy.context import Context
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.experimental import EventsExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from omni_vehicle_ros.errors import OmniVehicleError
 from omni_vehicle_ros.executables import ENDING, release_signals
 from omni_vehicle_ros.nodes.shell import Shell
 
+RCLError = rclpy_implementation.RCLError
+
 PARENT = 'OMNI_VEHICLE_PARENT'
 EXIT_USAGE = 2
+
+REFUSALS = (InvalidParameterTypeException, InvalidParameterValueException, RCLError)
+"""What rclpy says to parameters, files and names that it does not take."""
 
 
 class Stop:
@@ -38,28 +45,45 @@ class Stop:
         return self._parent != 0 and os.getppid() != self._parent
 
 
-def run(make: Callable[[Context], Sequence[Shell]], arguments: Sequence[str] | None = None) -> int:
+def run(make: Callable[[Context], Sequence[Shell]]) -> int:
     """Make nodes and serve them until one has finished or a signal comes; return the exit code."""
     stop = Stop()
     context = Context()
-    rclpy.init(args=list(arguments) if arguments is not None else None, context=context, signal_handler_options=SignalHandlerOptions.NO)
-    nodes: Sequence[Shell] = ()
+    try:
+        rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
+        _live(make, context, stop)
+    except (OmniVehicleError, *REFUSALS) as error:
+        print(f'error: {_one_line(error)}', file=sys.stderr)
+        return EXIT_USAGE
+    finally:
+        # Python hands signals back to the system at its end; one that comes then must not kill.
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
+        context.try_shutdown()
+    return 0
+
+
+def _live(make: Callable[[Context], Sequence[Shell]], context: Context, stop: Stop) -> None:
+    """Make the nodes, serve them, and end them whatever happened."""
     executor = EventsExecutor(context=context)
+    nodes: Sequence[Shell] = ()
     try:
         nodes = make(context)
         for node in nodes:
             executor.add_node(node)
         serve(executor, nodes, stop)
-    except OmniVehicleError as error:
-        print(f'error: {error}', file=sys.stderr)
-        return EXIT_USAGE
     finally:
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
         executor.shutdown(timeout_sec=1.0)
         for node in nodes:
             node.end()
             node.destroy_node()
-        context.try_shutdown()
-    return 0
+
+
+def _one_line(error: Exception) -> str:
+    """Return what an error says; rcl adds where in its source it was found, after a comma and a line break."""
+    return ' '.join(str(error).split(', at /')[0].split())
 
 
 def serve(executor: EventsExecutor, nodes: Sequence[Shell], stop: Stop) -> None:

@@ -42,7 +42,9 @@ class Shell(Node):
         Namespace of the node; None takes it from the command line.
     """
 
-    def __init__(self, role: str, *, context: Context, namespace: str | None = None, arguments: list[str] | None = None) -> None:
+    def __init__(
+        self, role: str, *, context: Context, namespace: str | None = None, arguments: list[str] | None = None
+    ) -> None:
         super().__init__(
             role.split('/')[-1],
             context=context,
@@ -89,7 +91,9 @@ class Shell(Node):
         rows = [row for row in self.topics() if self.publishes(row.name)]
         self._ports = {row.name: (publish_on(self, row, self.vehicle_namespace), row.type) for row in rows}
         publishers = [publisher for publisher, _ in self._ports.values()]
-        self._handshake = Handshake(self, self.role, self.vehicle_namespace, self.topics(), self.pacing.participants, publishers)
+        self._handshake = Handshake(
+            self, self.role, self.vehicle_namespace, self.topics(), self.pacing.participants, publishers
+        )
 
     def topics(self) -> list[interface.Topic]:
         """Return the rows of the wiring table that this vehicle uses: /clock only if it owns it."""
@@ -122,7 +126,7 @@ class Shell(Node):
         self._inbox.append((_ORDER[topic], topic, value))
         if topic == self.component.beat:
             if self.lockstep and self.gate.waiting:
-                self.warn(f'cycle {self.now} skipped at {value.stamp}: {self.gate.missing()} {dict(self.gate._heard)} {dict(self.gate._announced)}')
+                self.warn(f'cycle skipped at {value.stamp / 1e9:.3f} s: no answer from {self.gate.absent()}')
             self.gate.open(value.stamp)
             self._opened = time.monotonic()
         elif isinstance(value, Step):
@@ -166,7 +170,8 @@ class Shell(Node):
         if not self._handshake.done and self._handshake.complete():
             self.say('ready', Text(self.role))
         if self.lockstep and self.gate.waiting and time.monotonic() - self._opened > self.pacing.wait_limit:
-            self.warn(f'no answer from {", ".join(self.gate.missing()) or "the driver"} for {self.pacing.wait_limit:g} s; going on without')
+            limit = self.pacing.wait_limit
+            self.warn(f'no answer from {self.gate.absent()} for {limit:g} s; going on without')
             self.gate.give_up()
             self.act()
 

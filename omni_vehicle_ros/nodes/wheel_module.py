@@ -11,7 +11,7 @@ from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
-from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters, WheelModuleParameters
+from omni_vehicle_ros.parameters import PlantParameters, WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
 
@@ -22,11 +22,10 @@ class WheelModuleNode(Shell):
         super().__init__('wheel_module', context=context, namespace=namespace)
         wheel = wheel_of(self)
         self.role = f'{wheel}/wheel_module'
-        vehicle = declare(self, VehicleParameters)
         parameters = declare(self, WheelModuleParameters)
         period = declare(self, PlantParameters, only=('control_period',)).control_period
         trimmed = interface.SIDE_SLIP_CONTROLLER in self.pacing.participants
-        self.attach(WheelModule(wheel, parameters, vehicle, period, trimmed=trimmed, name=self.full_name))
+        self.attach(WheelModule(wheel, parameters, period, trimmed=trimmed, name=self.full_name))
 
 
 def wheel_of(node: Node) -> str:
@@ -40,7 +39,9 @@ def wheel_of(node: Node) -> str:
     namespace = node.get_namespace().split('/')[-1]
     wheel = str(node.declare_parameter('wheel', namespace).value)
     if wheel not in WHEELS:
-        raise ParameterError(f'wheel: {wheel!r} is not one of {", ".join(WHEELS)}; run in such a namespace or set -p wheel:=front_left')
+        raise ParameterError(
+            f'wheel: {wheel!r} is not one of {", ".join(WHEELS)}; run in such a namespace or set -p wheel:=front_left'
+        )
     return wheel
 
 

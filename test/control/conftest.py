@@ -24,7 +24,7 @@ class ClosedLoop:
     def __init__(self, steering=None, module=None, slip=None, speed=0.0, bank=0.0, constant_speed=False):
         self.vehicle = VehicleParameters()
         self.icr_steering = IcrSteering(self.vehicle, steering or SteeringParameters(), PERIOD)
-        self.modules = [WheelModule(module or WheelModuleParameters(), self.vehicle, PERIOD) for _ in range(4)]
+        self.modules = [WheelModule(module or WheelModuleParameters(), PERIOD) for _ in range(4)]
         self.slip = SideSlipController(slip or SideSlipParameters(proportional_gains=(0.0,) * 4))
         self.environment, self.constant_speed = Environment(bank=bank), constant_speed
         self.constants, self.vector = constants(self.vehicle), initial_state(speed)

@@ -167,7 +167,7 @@ def test_the_vehicle_waits_until_its_wheels_point_right():  # allwpilib 5749, ro
     stuck, now = cycles(law, 2.0, lambda now: law.cmd_vel(Twist(now, 0.0, 1.0), now), angles=ZERO, speeds=ZERO)
     assert stuck.steer_angle == pytest.approx((math.pi / 2,) * 4)
     assert stuck.wheel_speed == pytest.approx(ZERO, abs=1e-9)
-    halfway, now = cycles(law, 3.0, lambda now: law.cmd_vel(Twist(now, 0.0, 1.0), now), now, (0.9,) * 4)
+    halfway, now = cycles(law, 3.0, lambda now: law.cmd_vel(Twist(now, 0.0, 1.0), now), now, (1.2,) * 4)
     there, _ = cycles(law, 3.0, lambda now: law.cmd_vel(Twist(now, 0.0, 1.0), now), now, stuck.steer_angle)
     assert 0.5 / 0.35 < halfway.wheel_speed[0] < 0.9 / 0.35
     assert there.wheel_speed == pytest.approx((1.0 / 0.35,) * 4)

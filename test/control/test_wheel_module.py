@@ -8,14 +8,14 @@ from hypothesis import strategies as st
 
 from omni_vehicle_ros.control.health import ERROR, OK, WARN
 from omni_vehicle_ros.control.wheel_module import Setpoint, WheelModule
-from omni_vehicle_ros.parameters import VehicleParameters, WheelModuleParameters
+from omni_vehicle_ros.parameters import WheelModuleParameters
 
 PERIOD, STEP = 0.005, 5_000_000
 any_float = st.floats(allow_nan=True, allow_infinity=True)
 
 
 def module(**values):
-    return WheelModule(WheelModuleParameters(**values), VehicleParameters(), PERIOD)
+    return WheelModule(WheelModuleParameters(**values), PERIOD)
 
 
 def follow(wheel, cycles, angle=0.3, torque=50.0, trim=None, speed=10.0, begin=0):

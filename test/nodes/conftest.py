@@ -1,5 +1,6 @@
 """Real graphs over Fast DDS: each test in a domain of its own, and nothing left running after it."""
 
+import contextlib
 import itertools
 import os
 import signal
@@ -89,10 +90,8 @@ class Lab:
     def clean(self) -> None:
         """Kill what is left."""
         for number in self.left():
-            try:
+            with contextlib.suppress(ProcessLookupError):
                 os.kill(number, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
         for process in self.processes:
             process.communicate()
 

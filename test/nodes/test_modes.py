@@ -30,7 +30,12 @@ def run(lab: Lab, mode: str, name: str) -> Path:
 
 def test_modes_agree_and_a_run_repeats_itself(lab: Lab) -> None:
     """Processes, twice, one process, and plain Python give the same bytes on every topic."""
-    runs = [run(lab, 'offline', 'offline'), run(lab, 'one-process', 'one'), run(lab, 'processes', 'a'), run(lab, 'processes', 'b')]
+    runs = [
+        run(lab, 'offline', 'offline'),
+        run(lab, 'one-process', 'one'),
+        run(lab, 'processes', 'a'),
+        run(lab, 'processes', 'b'),
+    ]
     expected = contents(runs[0])
     assert len(expected['/odom']) == 401
     assert len(expected['/front_left/steer_trim']) == 401

@@ -1,5 +1,6 @@
 """Signals at any moment: no trace, exit 0, nothing left behind; and what was recorded stays readable."""
 
+import itertools
 import os
 import signal
 from pathlib import Path
@@ -82,7 +83,10 @@ def test_killed_recorder_keeps_all_but_the_last_moment(lab: Lab) -> None:
     """After kill -9 the file has no end, but holds nearly all that the plant had published."""
     command = lab.command('run', str(lab.scenario(LONG)), '--out', 'run')
     directory = lab.path / 'run' / 'bag'
-    until(lambda: (directory / 'bag_0.mcap').exists() and (directory / 'bag_0.mcap').stat().st_size > 400_000, 'some recording')
+    until(
+        lambda: (directory / 'bag_0.mcap').exists() and (directory / 'bag_0.mcap').stat().st_size > 400_000,
+        'some recording',
+    )
     before = max(message.log_time for message in read_messages(directory))
     recorder = [pid for pid in lab.left() if b'nodes.recorder' in Path(f'/proc/{pid}/cmdline').read_bytes()]
     os.kill(recorder[0], signal.SIGKILL)
@@ -92,7 +96,7 @@ def test_killed_recorder_keeps_all_but_the_last_moment(lab: Lab) -> None:
     times = [message.log_time for message in stream if message.topic == '/joint_states']
     assert times[-1] >= before
     assert not stream.complete
-    gaps = {later - earlier for earlier, later in zip(times, times[1:], strict=False)}
+    gaps = {later - earlier for earlier, later in itertools.pairwise(times)}
     assert gaps == {5_000_000}
 
 
