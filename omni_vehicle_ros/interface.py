@@ -195,7 +195,7 @@ TOPICS: tuple[Topic, ...] = (
             ('header.stamp', 'simulated time'),
             ('orientation', 'heading, and the roll of the body (quaternion)'),
             ('angular_velocity.z', 'yaw rate [rad/s]'),
-            ('linear_acceleration', 'what an accelerometer in the road plane feels: tyre forces per mass [m/s2]; z: gravity'),
+            ('linear_acceleration', 'what an accelerometer feels in the road plane [m/s2]; z: gravity'),
         ), BASE_FRAME, cyclic=True,
     ),
     Topic(

@@ -154,6 +154,12 @@ class VehicleParameters(Parameters):
     airflow_angles: tuple[float, ...] = parameter((0.3455,), 'Airflow angles of the side force table, rising.', unit='rad', low=0.0, high=1.5708)
     side_force_coefficients: tuple[float, ...] = parameter((0.58,), 'Side force coefficients at airflow_angles.', low=0.0, high=10.0)
     aerodynamic_centre: float = parameter(0.0, 'Distance of the aerodynamic centre ahead of the centre of gravity.', unit='m', low=-10.0, high=10.0)
+    cg_height: float = parameter(0.533, 'Height of the sprung centre of gravity; the roll arm and the roll centres are what acts.', unit='m', low=0.0, high=5.0)
+    roll_inertia: float = parameter(498.9, 'Moment of inertia of the sprung mass about the roll axis; not needed while roll is quasi-static.', unit='kg m2', low=0.0, high=1e6)
+    roll_yaw_inertia: float = parameter(0.0, 'Product of inertia of roll and yaw; not needed while roll is quasi-static.', unit='kg m2', low=-1e6, high=1e6)
+    roll_damping: float = parameter(3511.6, 'Roll damping of both axles; not needed while roll is quasi-static.', unit='N m s/rad', low=0.0, high=1e7)
+    wheel_inertia: float = parameter(2.1, 'Moment of inertia of a wheel about its axle; not needed while wheels roll without slip.', unit='kg m2', low=0.0, high=1e4)
+    stability_factor: float = parameter(0.005, 'Stability factor of the yaw rate that a driver expects; not needed without yaw control.', unit='s2/m2', low=0.0, high=1.0)
     gravity: float = parameter(9.81, 'Acceleration of gravity.', unit='m/s2', low=0.1, high=30.0)
 
     def __post_init__(self) -> None:

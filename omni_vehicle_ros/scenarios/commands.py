@@ -148,8 +148,10 @@ def read_change(tree: Any) -> EnvironmentChange:
         raise ScenarioError(str(error)) from None
 
 
-def read_timeline(name: str, tree: Any, read: Callable[[Any], Any], duration: float) -> tuple[Any, ...]:
-    """Make the entries of ``commands`` or ``environment``, which must rise in time and begin before the end.
+def read_timeline(name: str, tree: Any, read: Callable[[Any], Any]) -> tuple[Any, ...]:
+    """Make the entries of ``commands`` or ``environment``, which must rise in time.
+
+    What begins after the end of the scenario is kept and never happens: a run may be cut short.
 
     Raises
     ------
@@ -162,8 +164,6 @@ def read_timeline(name: str, tree: Any, read: Callable[[Any], Any], duration: fl
     for number, item in enumerate(tree):
         try:
             entry = read(item)
-            if entry.at >= duration:
-                raise ScenarioError(f'at: {entry.at:g} s is not before the end, duration {duration:g} s')
             if entries and entry.at <= entries[-1].at:
                 raise ScenarioError(f'at: {entry.at:g} s must be later than the entry before, {entries[-1].at:g} s')
         except ScenarioError as error:

@@ -172,8 +172,8 @@ def build_scenario(name: str, tree: Any, overrides: Sequence[str] = ()) -> Scena
         wheel_module=_make(WheelModuleParameters, 'wheel_module', entries),
         side_slip=_make(SideSlipParameters, 'side_slip', entries),
         plant=plant,
-        commands=read_timeline('commands', entries.get('commands', []), read_command, duration),
-        environment=read_timeline('environment', entries.get('environment', []), read_change, duration),
+        commands=read_timeline('commands', entries.get('commands', []), read_command),
+        environment=read_timeline('environment', entries.get('environment', []), read_change),
         values=values,
     )
 
