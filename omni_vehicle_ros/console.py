@@ -27,18 +27,20 @@ class ProgressBar:
         self._task = self._progress.add_task(name, total=duration)
 
     def __enter__(self) -> 'ProgressBar':
-        """Show the bar."""
-        self._progress.start()
+        """Show nothing yet: a run that can't begin ends with one line."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Leave the bar as it is."""
-        self._progress.stop()
+        if self._progress.live.is_started:
+            self._progress.stop()
 
     def advance(self, time: float) -> None:
-        """Move the bar to a simulated time [s]."""
+        """Move the bar to a simulated time [s]; the first call shows it."""
+        if not self._progress.live.is_started:
+            self._progress.start()
         self._progress.update(self._task, completed=time)
 
 

@@ -117,6 +117,7 @@ def run_scenario(
     check_namespace(namespace)
     new_directory(directory)
     (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
+    progress(0.0)
     began = time.monotonic()
     if mode == 'offline':
         from omni_vehicle_ros.simulation import simulate

@@ -3,7 +3,8 @@
 A vehicle is in a steady state at the end if its yaw rate and its lateral speed have settled (see
 `omni_vehicle_ros.analysis.signals.steady_state`) and no axle slides: an axle slides when both its tyres are
 past their second critical slip, where more slip gives less force. With a forced forward speed a vehicle past
-its grip limit spins, and its signals may settle all the same: such values are not reported as steady.
+its grip limit spins, and its signals may settle all the same: such values are not reported as steady. A vehicle
+at rest is in no steady turn.
 """
 
 import math
@@ -21,6 +22,7 @@ from omni_vehicle_ros.wheels import WHEELS
 SIDE_SLIP_FLOOR = 1e-5
 YAW_RATE_FLOOR = 1e-4
 SPEED_FLOOR = 1e-3
+REST = 1e-2
 _AXLES = (('front', (0, 1)), ('rear', (2, 3)))
 
 
@@ -74,8 +76,11 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
 def unsteady_reason(bag: Bag, vehicle: VehicleParameters) -> str | None:
     """Return why a run does not end in a steady state, in words, or None if it does."""
     odom = bag['odom']
-    if last_window(odom.stamp) is None:
+    window = last_window(odom.stamp)
+    if window is None:
         return 'shorter than a second'
+    if max(float(np.max(np.abs(signal[window]))) for signal in (odom.vx, odom.vy, odom.yaw_rate)) < REST:
+        return 'at rest'
     sliding = [axle for axle, wheels in _AXLES if all(_region(bag, vehicle, i) is Region.SLIDING for i in wheels)]
     if sliding:
         return f'{" and ".join(sliding)} tyres sliding, past the grip limit'

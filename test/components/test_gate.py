@@ -1,0 +1,94 @@
+"""The gate: a cycle is complete when all that belongs to it is there, whatever the order."""
+
+import itertools
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from omni_vehicle_ros.components.gate import Gate
+
+
+def test_opens_only_with_the_beat() -> None:
+    gate = Gate(['command'])
+    gate.answer('command', 5)
+    assert gate.ready() is None
+    gate.open(5)
+    assert gate.ready() == 5
+
+
+def test_order_does_not_matter() -> None:
+    events = ('beat', 'command', 'trim', 'icr', 'step')
+    for order in itertools.permutations(events):
+        gate = Gate(['command', 'trim', 'driver/step'])
+        for event in order:
+            assert gate.ready() is None
+            if event == 'beat':
+                gate.open(10)
+            elif event == 'icr':
+                gate.hear('driver/icr')
+            elif event == 'step':
+                gate.announce(['driver/icr'])
+                gate.answer('driver/step', 10)
+            else:
+                gate.answer(event, 10)
+        assert gate.ready() == 10
+
+
+def test_an_announced_message_is_waited_for() -> None:
+    gate = Gate(['driver/step'])
+    gate.open(0)
+    gate.announce(['driver/icr'])
+    gate.answer('driver/step', 0)
+    assert gate.ready() is None
+    assert gate.absent() == 'driver/icr'
+    gate.hear('driver/icr')
+    assert gate.ready() == 0
+
+
+def test_what_is_given_up_is_waited_for_again_after_it_answers() -> None:
+    gate = Gate(['a', 'b'])
+    gate.open(1)
+    gate.answer('a', 1)
+    assert gate.ready() is None
+    gate.give_up()
+    assert gate.ready() == 1
+    assert gate.missing() == ('b',)
+    gate.close()
+    gate.open(2)
+    gate.answer('a', 2)
+    assert gate.ready() == 2
+    gate.close()
+    gate.answer('b', 2)
+    gate.open(3)
+    gate.answer('a', 3)
+    assert gate.ready() is None
+    gate.answer('b', 3)
+    assert gate.ready() == 3
+
+
+def test_a_new_beat_skips_the_old_cycle() -> None:
+    gate = Gate(['a'])
+    gate.open(1)
+    gate.open(2)
+    assert gate.ready() == 2
+    assert gate.missing() == ('a',)
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(st.sampled_from(['open', 'a', 'b', 'close', 'give up']), st.integers(0, 5)), max_size=40))
+def test_never_ready_while_a_source_that_counts_is_behind(events: list[tuple[str, int]]) -> None:
+    gate = Gate(['a', 'b'])
+    latest = {'a': -1, 'b': -1}
+    for event, stamp in events:
+        if event == 'open':
+            gate.open(stamp)
+        elif event == 'close':
+            gate.close()
+        elif event == 'give up':
+            gate.give_up()
+        else:
+            gate.answer(event, stamp)
+            latest[event] = max(latest[event], stamp)
+        ready = gate.ready()
+        if ready is not None:
+            assert all(latest[source] >= ready or source in gate.lost for source in latest)
