@@ -55,6 +55,7 @@ def nodes(context: LaunchContext) -> list[Node]:
             'use_sim_time': LaunchConfiguration('use_sim_time'),
             'pacing': LaunchConfiguration('pacing'),
             'participants': participants,
+            'publish_clock': value['publish_clock'] == 'true',
         }
         return Node(
             package=PACKAGE,
@@ -65,10 +66,9 @@ def nodes(context: LaunchContext) -> list[Node]:
             output='screen',
         )
 
-    clock = value['publish_clock'] == 'true'
-    recorder = [node('recorder', directory=value['record'], publish_clock=clock)] if value['record'] else []
+    recorder = [node('recorder', directory=value['record'])] if value['record'] else []
     modules = [node('wheel_module', namespace=f'{vehicle}/{wheel}') for wheel in WHEELS]
-    return [*recorder, node('plant', publish_clock=clock), *modules, node('icr_steering'), node('side_slip_controller')]
+    return [*recorder, node('plant'), *modules, node('icr_steering'), node('side_slip_controller')]
 
 
 def generate_launch_description() -> LaunchDescription:

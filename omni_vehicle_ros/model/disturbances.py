@@ -73,13 +73,13 @@ def side_force_coefficient(airflow_angle: float, constants: Constants) -> float:
     constants
         The vehicle.
     """
-    angles, values = constants.airflow_angles, constants.side_force_coefficients
-    above = bisect.bisect_right(angles, airflow_angle)
-    if above == len(angles):
-        return values[-1]
-    low_angle, low_value = (angles[above - 1], values[above - 1]) if above else (0.0, 0.0)
-    share = (airflow_angle - low_angle) / (angles[above] - low_angle)
-    return low_value + share * (values[above] - low_value)
+    low_angle = low_value = 0.0
+    for line in range(len(constants.airflow_angles)):
+        angle, value = constants.airflow_angles[line], constants.side_force_coefficients[line]
+        if airflow_angle < angle:
+            return low_value + (airflow_angle - low_angle) / (angle - low_angle) * (value - low_value)
+        low_angle, low_value = angle, value
+    return low_value
 
 
 def wind_force(wind: float, speed: float, constants: Constants) -> float:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from omni_vehicle_ros.errors import ParameterError
-from omni_vehicle_ros.model.integrate import Vector
+from omni_vehicle_ros.model.state import Vector
 from omni_vehicle_ros.parameters import VehicleParameters
 
 

@@ -1,9 +1,12 @@
 """The vehicle over one control cycle: the actuators move as told, everything else holds."""
 
-from omni_vehicle_ros.model.body import Environment, Inputs, derivative
+import numpy as np
+
+from omni_vehicle_ros.model.compiled import advance_kernel, packed_constants
 from omni_vehicle_ros.model.constants import Constants
-from omni_vehicle_ros.model.integrate import Vector, rk4
-from omni_vehicle_ros.model.state import bounded
+from omni_vehicle_ros.model.dynamics import Environment, Inputs
+from omni_vehicle_ros.model.integrate import integrate
+from omni_vehicle_ros.model.state import Vector, state_vector, state_view
 from omni_vehicle_ros.wheels import PerWheel
 
 
@@ -43,14 +46,14 @@ def advance(
         State at the end, shape (10,); finite whenever the input is.
     """
     steps = max(1, round(duration / step))
-    fl, fr, rl, rr = steer_angle
-    fl_rate, fr_rate, rl_rate, rr_rate = steer_rate
-
-    def rate(time: float, now: Vector) -> Vector:
-        angles = fl + time * fl_rate, fr + time * fr_rate, rl + time * rl_rate, rr + time * rr_rate
-        return derivative(now, Inputs(angles, drive_force), environment, constants, constant_speed)
-
     size = duration / steps
-    for number in range(steps):
-        state = bounded(rk4(rate, number * size, bounded(state), size))
-    return state
+    if advance_kernel is None:
+        inputs, now = Inputs(steer_angle, drive_force), state_view(state)
+        return state_vector(
+            integrate(now, inputs, steer_rate, environment, constants, steps, size, constant_speed)
+        )
+    bank, wind, friction = environment
+    request = np.array(
+        (*state.tolist(), *steer_angle, *drive_force, bank, wind, *friction, *steer_rate), dtype=np.float64
+    )
+    return advance_kernel(request, packed_constants(constants), steps, size, constant_speed)

@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from omni_vehicle_ros.model.integrate import Vector
+Vector = npt.NDArray[np.float64]
 
 # Beyond these the model means nothing; the state stops there so that it stays finite.
 MAXIMUM_SPEED = 1e3  # m/s
@@ -52,15 +53,17 @@ def initial_state(speed: float = 0.0) -> Vector:
     return state_vector(State(speed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
 
-def bounded(vector: Vector) -> Vector:
-    """Return the state with its speeds within `MAXIMUM_SPEED` and `MAXIMUM_YAW_RATE`, else as it is."""
-    state = state_view(vector)
-    if abs(state.vx) <= MAXIMUM_SPEED and abs(state.vy) <= MAXIMUM_SPEED and abs(state.r) <= MAXIMUM_YAW_RATE:
-        return vector
-    return state_vector(
-        state._replace(
-            vx=max(-MAXIMUM_SPEED, min(MAXIMUM_SPEED, state.vx)),
-            vy=max(-MAXIMUM_SPEED, min(MAXIMUM_SPEED, state.vy)),
-            r=max(-MAXIMUM_YAW_RATE, min(MAXIMUM_YAW_RATE, state.r)),
-        )
+def bounded(state: State) -> State:
+    """Return the state with its speeds within `MAXIMUM_SPEED` and `MAXIMUM_YAW_RATE`."""
+    return State(
+        max(-MAXIMUM_SPEED, min(MAXIMUM_SPEED, state.vx)),
+        max(-MAXIMUM_SPEED, min(MAXIMUM_SPEED, state.vy)),
+        max(-MAXIMUM_YAW_RATE, min(MAXIMUM_YAW_RATE, state.r)),
+        state.x,
+        state.y,
+        state.psi,
+        state.front_left,
+        state.front_right,
+        state.rear_left,
+        state.rear_right,
     )
