@@ -14,21 +14,15 @@ import yaml
 
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.executables import ENDING, hold_signals, release_signals
-from omni_vehicle_ros.interface import DRIVER, ICR_STEERING, PLANT, RECORDER, SIDE_SLIP_CONTROLLER, resolve
+from omni_vehicle_ros.interface import DRIVER, RECORDER, resolve
+from omni_vehicle_ros.parameters import PacingParameters
 from omni_vehicle_ros.scenarios import Scenario
+from omni_vehicle_ros.scenarios.parameter_file import parameter_file
 
 STOP_LIMIT = 8.0
 WATCH_PERIOD = 0.1
 PARENT = 'OMNI_VEHICLE_PARENT'
 """Environment variable: a node whose parent is no longer this process ends."""
-
-
-class _Plain(yaml.SafeDumper):
-    """Writes YAML as rcl reads it: without aliases."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        """Repeat what occurs twice."""
-        return True
 
 
 class Graph:
@@ -66,8 +60,9 @@ class Graph:
         self._parameters = directory / 'parameters.yaml'
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._selector = selectors.DefaultSelector()
-        sections = node_parameters(scenario, directory.resolve(), participants, pacing, publish_clock)
-        self._parameters.write_text(yaml.dump(sections, Dumper=_Plain, sort_keys=False), encoding='utf-8')
+        settings = PacingParameters(pacing=pacing, participants=participants, publish_clock=publish_clock)
+        text = node_parameters(scenario, directory.resolve(), settings)
+        self._parameters.write_text(text, encoding='utf-8')
         (directory / 'log').mkdir()
 
     def run(self, progress: Callable[[float], None]) -> None:
@@ -192,28 +187,19 @@ def node_environment() -> dict[str, str]:
     return environment
 
 
-def node_parameters(
-    scenario: Scenario, directory: Path, participants: tuple[str, ...], pacing: str, publish_clock: bool
-) -> dict[str, Any]:
-    """Return the parameter file of all nodes of a scenario, as nested mappings."""
-    vehicle = plain(scenario.vehicle.as_dict())
-    common = {
-        'pacing': pacing,
-        'publish_clock': publish_clock,
-        'participants': list(participants),
-        'control_period': scenario.plant.control_period,
+def node_parameters(scenario: Scenario, directory: Path, pacing: PacingParameters) -> str:
+    """Return the parameter file of all nodes of a scenario whose run lies in ``directory``."""
+    text = parameter_file(
+        vehicle=scenario.vehicle,
+        steering=scenario.steering,
+        wheel_module=scenario.wheel_module,
+        side_slip=scenario.side_slip,
+        plant=scenario.plant,
+        pacing=pacing,
+    )
+    paths = {DRIVER: {'scenario': 'scenario.yaml'}, RECORDER: {'directory': 'bag'}}
+    sections = {
+        f'/**/{node}': {'ros__parameters': {name: str(directory / file) for name, file in entry.items()}}
+        for node, entry in paths.items()
     }
-    nodes: dict[str, dict[str, Any]] = {
-        PLANT: {**vehicle, **plain(scenario.plant.as_dict())},
-        ICR_STEERING: {**vehicle, **plain(scenario.steering.as_dict())},
-        SIDE_SLIP_CONTROLLER: plain(scenario.side_slip.as_dict()),
-        'wheel_module': plain(scenario.wheel_module.as_dict()),
-        DRIVER: {'scenario': str(directory / 'scenario.yaml')},
-        RECORDER: {'directory': str(directory / 'bag')},
-    }
-    return {f'/**/{name}': {'ros__parameters': {**common, **values}} for name, values in nodes.items()}
-
-
-def plain(values: dict[str, Any]) -> dict[str, Any]:
-    """Return values as YAML writes them: lists for tuples."""
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
+    return f'{text}\n{yaml.safe_dump(sections)}'

@@ -3,9 +3,13 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import PerWheel
 
+Table = tuple[float, ...] | npt.NDArray[np.float64]  # an array in the compiled physics, whatever its length
 HOLDING_TIME = 0.1  # s, in which a vehicle that hardly rolls any more comes to rest
 
 
@@ -40,8 +44,8 @@ class Constants(NamedTuple):
     rolling_hold: float
     air_density: float
     side_area: float
-    airflow_angles: tuple[float, ...]
-    side_force_coefficients: tuple[float, ...]
+    airflow_angles: Table
+    side_force_coefficients: Table
     aerodynamic_centre: float
 
 
