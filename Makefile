@@ -53,4 +53,6 @@ $(DEPENDENCIES): requirements.lock
 
 $(SETUP): $(DEPENDENCIES) setup.py setup.cfg scripts/link_package.sh
 	@sh scripts/link_package.sh $(VENV)
+	@echo 'Compiling the physics ...'
+	@$(BIN)/python -m omni_vehicle_ros.model.warm
 	@touch $@

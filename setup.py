@@ -7,8 +7,8 @@ from setuptools import find_packages, setup
 PACKAGE = 'omni_vehicle_ros'
 ROOT = Path(__file__).resolve().parent
 RUN_TIME = [
-    'jinja2', 'lz4', 'matplotlib', 'mcap', 'numpy', 'pyyaml', 'rich', 'rosbags', 'scipy', 'setuptools', 'typer',
-    'zstandard',
+    'jinja2', 'lz4', 'matplotlib', 'mcap', 'numba', 'numpy', 'pyyaml', 'rich', 'rosbags', 'scipy', 'setuptools',
+    'typer', 'zstandard',
 ]
 EXECUTABLES = (
     'omni_vehicle', 'driver', 'icr_steering', 'plant', 'recorder', 'side_slip_controller', 'vehicle', 'wheel_module',

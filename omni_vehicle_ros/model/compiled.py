@@ -7,6 +7,7 @@ The first call compiles, later processes load the result from numba's cache on d
 
 import functools
 import inspect
+import itertools
 import warnings
 from collections.abc import Callable
 from types import ModuleType
@@ -76,7 +77,8 @@ def _environment(numbers: Vector) -> Environment:
     return Environment(numbers[18], numbers[19], _four(numbers, 20))
 
 
-def _compile(physics: tuple[ModuleType, ...]) -> tuple[EvaluateKernel, AdvanceKernel] | tuple[None, None]:
+def compile_physics() -> tuple[EvaluateKernel, AdvanceKernel] | tuple[None, None]:
+    """Return both kernels, not compiled before their first call; None where there is no way to compile."""
     try:
         from numba import config, njit
         from numba.extending import register_jitable
@@ -84,23 +86,32 @@ def _compile(physics: tuple[ModuleType, ...]) -> tuple[EvaluateKernel, AdvanceKe
         return None, None
     if config.DISABLE_JIT:
         return None, None
-    for module in physics:
-        for _, function in inspect.getmembers(module, inspect.isfunction):
-            register_jitable(function)
-    for unpack in (_constants, _four, _state, _inputs, _environment):
-        register_jitable(unpack)
-    evaluate, advance = _kernels(''.join(map(inspect.getsource, physics)))
+    unpacking = [_constants, _four, _state, _inputs, _environment]
+    for function in itertools.chain(unpacking, *map(_functions, PHYSICS)):
+        register_jitable(forceinline=True)(function)
+    evaluate, advance = kernels(''.join(map(inspect.getsource, PHYSICS)))
+    # Without fastmath, for the same bits in every process. No check for division by 0, which never happens.
+    compiler = njit(cache=True, error_model='numpy')
     try:
-        # Without fastmath: the same bits in every process. No check for division by 0, which never happens.
-        compiler = njit(cache=True, error_model='numpy')
         return compiler(evaluate), compiler(advance)
     except RuntimeError as error:
-        warnings.warn(f'physics run uncompiled, 30 times slower: {error}; set NUMBA_CACHE_DIR', stacklevel=2)
+        warnings.warn(f'physics run uncompiled, 30 times slower: {error}; set NUMBA_CACHE_DIR', RuntimeWarning, 2)
         return None, None
 
 
-def _kernels(source: str) -> tuple[EvaluateKernel, AdvanceKernel]:
-    # numba's cache looks at this file and at the variables that its functions enclose: hence ``source``.
+def _functions(module: ModuleType) -> list[Callable[..., object]]:
+    return [function for _, function in inspect.getmembers(module, inspect.isfunction)]
+
+
+def kernels(source: str) -> tuple[EvaluateKernel, AdvanceKernel]:
+    """Return both kernels in plain Python.
+
+    Parameters
+    ----------
+    source
+        Text of the physics. numba's cache looks at this file and at the variables that a kernel encloses, so that
+        no change of the physics goes unnoticed.
+    """
     def evaluate(request: Vector, constants: Vector, constant_speed: bool) -> Evaluation:
         source  # noqa: B018
         now, inputs, environment = _state(request), _inputs(request), _environment(request)
@@ -116,4 +127,4 @@ def _kernels(source: str) -> tuple[EvaluateKernel, AdvanceKernel]:
     return evaluate, advance
 
 
-evaluate_kernel, advance_kernel = _compile(PHYSICS)
+evaluate_kernel, advance_kernel = compile_physics()

@@ -151,7 +151,7 @@ def solve_loop(contacts: Contacts, constants: Constants) -> tuple[float, WheelFo
             return reached, forces
         if number == 0:
             step = gap
-        elif gap == gap_last or gap == gap_before_last:
+        elif gap in (gap_last, gap_before_last):
             break
         else:
             # Newton's form of the inverse interpolation through the last points, taken at gap 0.

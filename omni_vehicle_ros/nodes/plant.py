@@ -19,6 +19,10 @@ RECORDER_WINDOW = 32
 """Cycles that the plant may run ahead of the recorder in lock step: half the depth of the publishers."""
 
 
+NEWCOMER = 5.0
+LOOK_PERIOD = 0.5
+
+
 class PlantNode(Shell):
     """Moves when all modules have answered (lock step) or when it is time (real time)."""
 
@@ -32,6 +36,7 @@ class PlantNode(Shell):
         self._ready: set[str] = set()
         self._begun = False
         self._made = self._due = time.monotonic()
+        self._looked = 0.0
         self._recorded = 0
         self._recorder_lost = interface.RECORDER not in self.pacing.participants
         self.attach(self._plant)
@@ -70,6 +75,8 @@ class PlantNode(Shell):
 
     def poll(self) -> None:
         """Begin, and in real time move when it is time."""
+        if time.monotonic() - self._made < NEWCOMER:
+            self._look_for_another()
         if not self._begun:
             super().poll()
             self._begin()
@@ -80,6 +87,16 @@ class PlantNode(Shell):
         elif time.monotonic() >= self._due:
             super().poll()
             self._move()
+
+    def _look_for_another(self) -> None:
+        """Give way to a plant that was there before: two of them would drive each other's modules."""
+        wall = time.monotonic()
+        if wall - self._looked < LOOK_PERIOD:
+            return
+        self._looked = wall
+        topic = interface.resolve('joint_states', self.vehicle_namespace)
+        if self.count_publishers(topic) > 1:
+            raise StartError(f'another node publishes {topic}; choose another namespace or another ROS_DOMAIN_ID')
 
     def _begin(self) -> None:
         others = {*self.pacing.participants} - self._ready

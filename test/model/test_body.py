@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omni_vehicle_ros.model import body
+from omni_vehicle_ros.model import dynamics
 from omni_vehicle_ros.model.body import Environment, Inputs, derivative, evaluate
 from omni_vehicle_ros.model.constants import constants
 from omni_vehicle_ros.model.loads import static_loads, vertical_loads
-from omni_vehicle_ros.model.state import State, initial_state, state_vector
+from omni_vehicle_ros.model.state import State, initial_state, state_vector, state_view
 from omni_vehicle_ros.model.tyre import lateral_capacity, lateral_force
 from omni_vehicle_ros.parameters import VehicleParameters
 
@@ -175,11 +175,11 @@ def test_speed_lost_in_a_turn_is_the_sine_of_the_side_forces(model):
 @given(driving, driven, roads)
 def test_bisection_finds_the_same_acceleration(vector, inputs, road):
     fast = evaluate(vector, inputs, road, MODEL).ay
-    steps, body.LOOP_STEPS = body.LOOP_STEPS, 0
+    steps, dynamics.LOOP_STEPS = dynamics.LOOP_STEPS, 0
     try:
-        slow = evaluate(vector, inputs, road, MODEL).ay
+        slow = dynamics.evaluation(state_view(vector), inputs, road, MODEL, False).ay
     finally:
-        body.LOOP_STEPS = steps
+        dynamics.LOOP_STEPS = steps
     assert slow == pytest.approx(fast, abs=1e-8)
 
 

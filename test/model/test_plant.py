@@ -10,7 +10,6 @@ from scipy.linalg import expm
 from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.model.body import Environment, Inputs, derivative, evaluate
 from omni_vehicle_ros.model.constants import constants
-from omni_vehicle_ros.model.integrate import rk4
 from omni_vehicle_ros.model.kinematics import Icr, road_steer_angles
 from omni_vehicle_ros.model.linear import linear_bicycle
 from omni_vehicle_ros.model.plant import advance
@@ -24,12 +23,6 @@ quiet = settings(deadline=None, max_examples=40, derandomize=True)
 
 def drive(model, speed, angles, duration, *, forces=STILL, road=ROAD, step=0.005, constant_speed=False, rates=STILL):
     return advance(initial_state(speed), angles, rates, forces, road, model, duration, step, constant_speed)
-
-
-def test_runge_kutta_is_exact_to_order_four():
-    state = rk4(lambda t, x: np.array([4.0 * t**3, -x[1]]), 1.0, np.array([1.0, 1.0]), 0.1)
-    assert state[0] == pytest.approx(1.1**4)
-    assert state[1] == pytest.approx(sum((-0.1) ** n / math.factorial(n) for n in range(5)))
 
 
 def test_thesis_traction_check(model):

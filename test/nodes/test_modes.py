@@ -1,6 +1,7 @@
 """One scenario in three modes: in lock step they say the same, byte for byte, and so do two runs of one mode."""
 
 import json
+import signal
 from collections import defaultdict
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 
 from omni_vehicle_ros.bags import read_messages
 
-from .conftest import Lab, finish
+from .conftest import Lab, finish, until
 
 pytestmark = pytest.mark.graph
 
@@ -62,3 +63,15 @@ def test_two_vehicles_drive_side_by_side(lab: Lab) -> None:
         assert one[f'/one{topic}'] == two[f'/two{topic}'] == expected[topic]
     assert len(one['/clock']) == 401
     assert '/clock' not in two
+
+
+def test_a_second_vehicle_of_the_same_name_gives_way(lab: Lab) -> None:
+    """Two graphs in one namespace would drive each other's wheels: the newcomer ends and says why."""
+    first = lab.command('start', '--out', 'first')
+    until(lambda: (lab.path / 'first' / 'bag' / 'bag_0.mcap').exists(), 'the first vehicle')
+    until(lambda: max(message.log_time for message in read_messages(lab.path / 'first' / 'bag')) > 6e9, 'six seconds')
+    _, errors = finish(lab.command('start', '--out', 'second'), 2)
+    assert 'another node publishes /joint_states' in errors
+    assert first.poll() is None
+    first.send_signal(signal.SIGINT)
+    finish(first)
