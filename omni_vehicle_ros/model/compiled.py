@@ -1,6 +1,6 @@
 """The physics compiled by numba, or None where numba is missing or switched off (``NUMBA_DISABLE_JIT=1``).
 
-Nothing is written twice: numba compiles the functions of `PHYSICS` as they stand, and the plain ones give the
+Nothing is written twice: numba compiles the functions of the modules below as they stand, and the plain ones give the
 same numbers. All arguments of a kernel are arrays or numbers, so that no input makes it compile a second time.
 The first call compiles, later processes load the result from numba's cache on disk.
 """
@@ -14,13 +14,14 @@ from types import ModuleType
 
 import numpy as np
 
-from omni_vehicle_ros.model import constants, contact, disturbances, dynamics, integrate, loads, state, tyre
+from omni_vehicle_ros.model import contact, disturbances, dynamics, integrate, loads, state, tyre
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
 from omni_vehicle_ros.model.state import State, Vector
 from omni_vehicle_ros.wheels import PerWheel
 
-PHYSICS = (constants, contact, disturbances, dynamics, integrate, loads, state, tyre)
+BRANCHES = (dynamics, integrate)
+LEAVES = (contact, disturbances, loads, state, tyre)  # worth inlining; beyond them it doubles the time to compile
 
 EvaluateKernel = Callable[[Vector, Vector, bool], Evaluation]
 AdvanceKernel = Callable[[Vector, Vector, int, float, bool], Vector]
@@ -86,10 +87,11 @@ def compile_physics() -> tuple[EvaluateKernel, AdvanceKernel] | tuple[None, None
         return None, None
     if config.DISABLE_JIT:
         return None, None
-    unpacking = [_constants, _four, _state, _inputs, _environment]
-    for function in itertools.chain(unpacking, *map(_functions, PHYSICS)):
+    for function in itertools.chain([_constants, _four, _state, _inputs, _environment], *map(_functions, BRANCHES)):
+        register_jitable(function)
+    for function in itertools.chain(*map(_functions, LEAVES)):
         register_jitable(forceinline=True)(function)
-    evaluate, advance = kernels(''.join(map(inspect.getsource, PHYSICS)))
+    evaluate, advance = kernels(''.join(map(inspect.getsource, BRANCHES + LEAVES)))
     # Without fastmath, for the same bits in every process. No check for division by 0, which never happens.
     compiler = njit(cache=True, error_model='numpy')
     try:
@@ -100,7 +102,8 @@ def compile_physics() -> tuple[EvaluateKernel, AdvanceKernel] | tuple[None, None
 
 
 def _functions(module: ModuleType) -> list[Callable[..., object]]:
-    return [function for _, function in inspect.getmembers(module, inspect.isfunction)]
+    functions = inspect.getmembers(module, inspect.isfunction)
+    return [function for _, function in functions if function.__module__ == module.__name__]
 
 
 def kernels(source: str) -> tuple[EvaluateKernel, AdvanceKernel]:

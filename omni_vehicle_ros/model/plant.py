@@ -46,7 +46,7 @@ def advance(
         State at the end, shape (10,); finite whenever the input is.
     """
     steps = max(1, round(duration / step))
-    size = duration / steps
+    size = float(duration) / steps
     if advance_kernel is None:
         inputs, now = Inputs(steer_angle, drive_force), state_view(state)
         return state_vector(

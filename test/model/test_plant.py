@@ -10,6 +10,7 @@ from scipy.linalg import expm
 from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.model.body import Environment, Inputs, derivative, evaluate
 from omni_vehicle_ros.model.constants import constants
+from omni_vehicle_ros.model.integrate import integrate
 from omni_vehicle_ros.model.kinematics import Icr, road_steer_angles
 from omni_vehicle_ros.model.linear import linear_bicycle
 from omni_vehicle_ros.model.plant import advance
@@ -198,5 +199,7 @@ def test_finite_input_gives_finite_output(state, angles, rates, forces, road, co
     for _ in range(3):
         found = evaluate(vector, Inputs(angles, forces), road, model, constant_speed)
         assert all(math.isfinite(number) for field in found for number in np.atleast_1d(field))
+        plain = integrate(state_view(vector), Inputs(angles, forces), rates, road, model, 3, step, constant_speed)
+        assert np.isfinite(plain).all()
         vector = advance(vector, angles, rates, forces, road, model, 3.0 * step, step, constant_speed)
         assert np.isfinite(vector).all()
