@@ -9,6 +9,7 @@ from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Output, Value
 from omni_vehicle_ros.components.plant import Plant
 from omni_vehicle_ros.messages import Text, decode
+from omni_vehicle_ros.model.warm import warm
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.ports import subscribe_to
 from omni_vehicle_ros.nodes.process import run
@@ -30,6 +31,8 @@ class PlantNode(Shell):
         super().__init__(interface.PLANT, context=context, namespace=namespace)
         vehicle, plant = declare(self, VehicleParameters), declare(self, PlantParameters)
         self._plant = Plant(vehicle, plant, name=self.full_name, publish_clock=self.pacing.publish_clock)
+        # Where nothing is compiled yet, the others wait for it now, and not in their first cycle.
+        warm()
         self._tick = plant.control_period / self.pacing.realtime_factor
         self._state_timeout = round(plant.state_timeout * 1e9)
         self._states = dict.fromkeys(self._plant.sources, -self._state_timeout - 1)
