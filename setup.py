@@ -17,7 +17,8 @@ EXECUTABLES = (
 
 def share_files(folder: str) -> list[tuple[str, list[str]]]:
     """Return `folder` and its sub-folders as data files below ``share/omni_vehicle_ros``."""
-    files = sorted(path.relative_to(ROOT) for path in (ROOT / folder).rglob('*') if path.suffix in ('.py', '.yaml'))
+    found = [path for path in (ROOT / folder).rglob('*') if path.suffix in ('.py', '.xml', '.yaml')]
+    files = sorted(path.relative_to(ROOT) for path in found)
     parents = sorted({path.parent for path in files})
     return [(f'share/{PACKAGE}/{parent}', [str(path) for path in files if path.parent == parent]) for parent in parents]
 

@@ -75,6 +75,8 @@ def run(
             loaded, directory, mode=mode, pacing=pacing, namespace=namespace, publish_clock=clock, progress=bar.advance
         )
     results_table(loaded, result)
+    if result.dead:
+        raise RunError('; '.join(result.dead))
 
 
 @app.command()

@@ -7,10 +7,15 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
 
+from omni_vehicle_ros.analysis.troubles import troubles
+from omni_vehicle_ros.bags import open_bag
 from omni_vehicle_ros.run import RunResult
 from omni_vehicle_ros.scenarios import Scenario
 from omni_vehicle_ros.wheels import WHEELS
+
+SHOWN = 6
 
 
 class ProgressBar:
@@ -18,7 +23,7 @@ class ProgressBar:
 
     def __init__(self, name: str, duration: float) -> None:
         columns = (
-            TextColumn('{task.description}'),
+            TextColumn('{task.description}', markup=False),
             BarColumn(),
             TextColumn('{task.completed:.1f} of {task.total:.1f} s'),
             TimeElapsedColumn(),
@@ -47,7 +52,7 @@ class ProgressBar:
 def results_table(scenario: Scenario, result: RunResult) -> None:
     """Print the results of a run, with the paths of its bag and its report."""
     metrics = result.metrics
-    table = Table('', *(wheel.replace('_', ' ') for wheel in WHEELS), title=f'{scenario.name}: side slip')
+    table = Table('', *(wheel.replace('_', ' ') for wheel in WHEELS), title=Text(f'{scenario.name}: side slip'))
     rows = (
         ('steady state [deg]', 'steady_state', math.degrees(1.0)),
         ('peak [deg]', 'peak', math.degrees(1.0)),
@@ -55,21 +60,29 @@ def results_table(scenario: Scenario, result: RunResult) -> None:
         ('settling time [s]', 'settling_time', 1.0),
     )
     for title, key, factor in rows:
-        table.add_row(title, *(_number(metrics['side_slip'][wheel][key], factor) for wheel in WHEELS))
+        table.add_row(Text(title), *(_number(metrics['side_slip'][wheel][key], factor) for wheel in WHEELS))
     console = Console(soft_wrap=True)
     console.print(table)
     x, y, heading = metrics['path']['final']
     speed, radius, yaw_rate = metrics['speed'], metrics['path']['radius'], metrics['yaw_rate']['steady_state']
-    rate = scenario.duration / result.wall_time
     for line in (
         f'end at x {x:.2f} m, y {y:.2f} m, heading {math.degrees(heading):.1f} deg; path radius {_number(radius)} m',
         f'speed {_number(speed["initial"])} -> {_number(speed["final"])} m/s; yaw rate {_number(yaw_rate)} rad/s',
         f'{result.messages} messages, {result.lost} lost; '
-        f'{scenario.duration:g} s in {result.wall_time:.1f} s, {rate:.1f} x real time',
-        f'bag     {result.bag}',
-        f'report  {result.report}',
+        f'{result.rate:.1f} x real time after {result.start:.1f} s to start',
+        *_complaints(result),
+        f'bag     {result.directory / "bag"}',
+        f'report  {result.directory / "report.html"}',
     ):
-        console.print(line, highlight=False)
+        console.print(line, highlight=False, markup=False)
+
+
+def _complaints(result: RunResult) -> list[str]:
+    """Return what the nodes complained about, the first few."""
+    found = troubles(open_bag(result.directory / 'bag'))
+    more = [f'... and {len(found) - SHOWN} more on /diagnostics'] if len(found) > SHOWN else []
+    lines = [f'{trouble.time:8.3f} s  {trouble.node}: {trouble.message}' for trouble in found[:SHOWN]]
+    return [*lines, *more]
 
 
 def _number(value: Any, factor: float = 1.0) -> str:

@@ -14,10 +14,16 @@ import yaml
 
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.executables import ENDING, hold_signals, release_signals
-from omni_vehicle_ros.interface import DRIVER, RECORDER, resolve
+from omni_vehicle_ros.interface import DRIVER, PLANT, RECORDER, resolve
 from omni_vehicle_ros.parameters import PacingParameters
-from omni_vehicle_ros.scenarios import Scenario
+from omni_vehicle_ros.scenarios import Scenario, scenario_directory
 from omni_vehicle_ros.scenarios.parameter_file import parameter_file
+
+BOOT = (
+    'import sys; sys.path[:] = filter(None, sys.path); '
+    'from omni_vehicle_ros.executables import main; main(sys.argv.pop(1))'
+)
+"""What Python runs: never a module that happens to lie in the current directory."""
 
 STOP_LIMIT = 8.0
 WATCH_PERIOD = 0.1
@@ -55,6 +61,8 @@ class Graph:
     ) -> None:
         self.interrupted = False
         self.messages, self.lost = 0, 0
+        self.dead: dict[str, str] = {}
+        self._moving = DRIVER not in participants
         self._directory, self._participants = directory, participants
         self._one_process, self._namespace = one_process, namespace.strip('/')
         self._parameters = directory / 'parameters.yaml'
@@ -100,7 +108,7 @@ class Graph:
         It inherits held signals, and lets them through when it can handle them.
         """
         remap = ['-r', f'__ns:={namespace}'] if namespace else []
-        command = [sys.executable, '-m', 'omni_vehicle_ros.executables', f'nodes.{executable}', *options]
+        command = [sys.executable, '-c', BOOT, f'nodes.{executable}', *options]
         command += ['--ros-args', '--params-file', str(self._parameters), *remap]
         hold_signals()
         with self._log(role).open('wb') as log:
@@ -132,7 +140,13 @@ class Graph:
                 if role == last and code == 0:
                     self._read(progress, 0.0)
                     return
-                raise RunError(f'{role} ended with code {code}: {self._last_words(role)}')
+                self._note_death(role, f'{role} ended with code {code}{self._last_words(role)}')
+
+    def _note_death(self, role: str, text: str) -> None:
+        """Go on without a node that the others can do without; it is named on /diagnostics, too."""
+        if role in (PLANT, DRIVER, RECORDER, 'vehicle') or not self._moving:
+            raise RunError(text)
+        self.dead.setdefault(role, text)
 
     def _read(self, progress: Callable[[float], None], timeout: float) -> None:
         """Take what the nodes print: the time from the driver, the count from the recorder."""
@@ -145,6 +159,7 @@ class Graph:
             for line in data.decode(errors='replace').splitlines():
                 words = line.split()
                 if len(words) == 2 and words[0] == 'time':
+                    self._moving = True
                     progress(float(words[1]))
                 elif words[:1] == ['recorded']:
                     self.messages, self.lost = int(words[1]), int(words[3])
@@ -152,7 +167,7 @@ class Graph:
     def _last_words(self, role: str) -> str:
         lines = self._log(role).read_text(errors='replace').splitlines()
         said = [line for line in lines if line.strip()]
-        return said[-1] if said else f'see {self._log(role)}'
+        return f': {said[-1].removeprefix("error: ")}' if said else ''
 
     def _stop(self) -> None:
         """Ask all to end, the recorder last; kill what does not."""
@@ -180,9 +195,10 @@ class Graph:
 
 
 def node_environment() -> dict[str, str]:
-    """Return the environment of a node: this machine only, unless the user has said otherwise."""
+    """Return the environment of a node: this machine only, found soon, unless the user has said otherwise."""
     environment = dict(os.environ)
     environment.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    environment.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(scenario_directory().parent / 'fastdds.xml'))
     environment[PARENT] = str(os.getpid())
     return environment
 

@@ -1,4 +1,4 @@
-"""Runs a scenario: processes, one process or plain Python; and always a bag, metrics and a report at the end."""
+"""Runs a scenario: in processes, in one process or in plain Python; bag, metrics and report in the end."""
 
 import json
 import re
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from omni_vehicle_ros.errors import RunError
+from omni_vehicle_ros.errors import BagError, RunError
 from omni_vehicle_ros.interface import DRIVER, NODES, SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.scenarios import Scenario
 
@@ -28,22 +28,51 @@ class RunResult:
 
     Attributes
     ----------
-    bag, report
-        Paths of the bag and of the report.
+    directory
+        Where all of it lies.
     metrics
         As in metrics.json.
     messages, lost
         How many messages were recorded, and how many were lost on the way (lock step) or not said in time (real time).
-    wall_time
-        How long it took [s].
+    dead
+        A line for each node that ended before its time.
+    start, rate
+        Wall time until the vehicle moved [s]; simulated time over wall time from then on.
     """
 
-    bag: Path
-    report: Path
+    directory: Path
     metrics: dict[str, Any]
     messages: int
     lost: int
-    wall_time: float
+    dead: tuple[str, ...]
+    start: float
+    rate: float
+
+
+class Stopwatch:
+    """Passes progress on, and measures how fast it is."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._made = self._first = self._last = time.monotonic()
+        self._from = self._to = 0.0
+
+    def advance(self, simulated: float) -> None:
+        """Note the simulated time [s]."""
+        self._last, self._to = time.monotonic(), simulated
+        if self._from == 0.0:
+            self._first, self._from = self._last, self._to
+        self._progress(simulated)
+
+    @property
+    def start(self) -> float:
+        """Wall time until the simulated time moved [s]."""
+        return self._first - self._made
+
+    @property
+    def rate(self) -> float:
+        """Simulated time over wall time, from then on."""
+        return (self._to - self._from) / max(self._last - self._first, 1e-9)
 
 
 def participants(scenario: Scenario) -> tuple[str, ...]:
@@ -59,9 +88,9 @@ def check_namespace(namespace: str) -> None:
     RunError
         It has something other than letters, digits and underscores between slashes.
     """
-    if not re.fullmatch(r'/?([A-Za-z_]\w*(/[A-Za-z_]\w*)*)?/?', namespace, re.ASCII):
+    if '__' in namespace or not re.fullmatch(r'/?([A-Za-z_]\w*(/[A-Za-z_]\w*)*)?/?', namespace, re.ASCII):
         raise RunError(
-            f'--namespace: {namespace!r} must be letters, digits and underscores between slashes, such as car1'
+            f'--namespace: {namespace!r} must be letters, digits and single underscores between slashes, such as car1'
         )
 
 
@@ -118,11 +147,12 @@ def run_scenario(
     new_directory(directory)
     (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
     progress(0.0)
-    began = time.monotonic()
+    watch = Stopwatch(progress)
+    dead: tuple[str, ...] = ()
     if mode == 'offline':
         from omni_vehicle_ros.simulation import simulate
 
-        journal = simulate(scenario, directory / 'bag', progress)
+        journal = simulate(scenario, directory / 'bag', namespace, watch.advance)
         messages, lost = journal.written, journal.lost
     else:
         from omni_vehicle_ros.graph import Graph
@@ -136,14 +166,12 @@ def run_scenario(
             namespace=namespace,
             publish_clock=publish_clock,
         )
-        graph.run(progress)
-        messages, lost = graph.messages, graph.lost
+        graph.run(watch.advance)
+        messages, lost, dead = graph.messages, graph.lost, tuple(graph.dead.values())
         if graph.interrupted:
             raise Interrupted(f'interrupted; {messages} messages lie in {directory / "bag"}')
-    wall_time = time.monotonic() - began
-    return RunResult(
-        directory / 'bag', directory / 'report.html', analyse(directory, scenario), messages, lost, wall_time
-    )
+    metrics = analyse(directory, scenario)
+    return RunResult(directory, metrics, messages, lost, dead, watch.start, watch.rate)
 
 
 def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', publish_clock: bool = True) -> None:
@@ -170,7 +198,10 @@ def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', p
         publish_clock=publish_clock,
     )
     graph.run(lambda time: None)
-    analyse(directory, scenario)
+    try:
+        analyse(directory, scenario)
+    except BagError as error:
+        raise Interrupted(f'stopped before there was anything to analyse: {error}') from None
 
 
 def analyse(directory: Path, scenario: Scenario) -> dict[str, Any]:

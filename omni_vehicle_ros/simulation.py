@@ -15,9 +15,8 @@ from omni_vehicle_ros.components.wheel_module import WheelModule
 from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER, TOPICS, WHEEL_MODULES
 from omni_vehicle_ros.messages import encode
 from omni_vehicle_ros.scenarios import Scenario
-from omni_vehicle_ros.wheels import WHEELS
 
-ACKNOWLEDGE = 8
+ACKNOWLEDGE = 4
 
 
 class Simulation:
@@ -29,29 +28,40 @@ class Simulation:
         What is run.
     take
         Called with every message, in the order in which it is said.
+    namespace
+        Of the vehicle.
     """
 
-    def __init__(self, scenario: Scenario, take: Callable[[Output], None]) -> None:
+    def __init__(self, scenario: Scenario, take: Callable[[Output], None], namespace: str = '') -> None:
         period = scenario.plant.control_period
         self._take = take
         self.end = scenario.cycles * round(period * 1e9)
-        self.plant = Plant(scenario.vehicle, scenario.plant)
+
+        def name(role: str) -> str:
+            return interface.resolve(role, namespace)
+
+        self.plant = Plant(scenario.vehicle, scenario.plant, name=name(interface.PLANT))
         modules = [
-            WheelModule(wheel, scenario.wheel_module, period, trimmed=scenario.side_slip_control) for wheel in WHEELS
+            WheelModule(
+                role.split('/')[0], scenario.wheel_module, period, trimmed=scenario.side_slip_control, name=name(role)
+            )
+            for role in WHEEL_MODULES
         ]
+        steering = IcrSteering(scenario.vehicle, scenario.steering, period, name=name(interface.ICR_STEERING))
         # The order is that of the block diagram: who speaks first is heard by those after it in the same cycle.
         self._chain: list[tuple[str, Component]] = [
-            (interface.DRIVER, Driver(scenario)),
-            (interface.ICR_STEERING, IcrSteering(scenario.vehicle, scenario.steering, period)),
+            (interface.DRIVER, Driver(scenario, name=name(interface.DRIVER))),
+            (interface.ICR_STEERING, steering),
             *zip(WHEEL_MODULES, modules, strict=True),
         ]
         if scenario.side_slip_control:
-            self._chain.insert(2, (SIDE_SLIP_CONTROLLER, SideSlipController(scenario.side_slip)))
+            controller = SideSlipController(scenario.side_slip, name=name(SIDE_SLIP_CONTROLLER))
+            self._chain.insert(2, (SIDE_SLIP_CONTROLLER, controller))
         hearers = [*self._chain, (interface.PLANT, self.plant)]
         self._hearers = {
             row.name: [component for role, component in hearers if role in row.subscribers] for row in TOPICS
         }
-        self._recorder = Reporter('/recorder')
+        self._recorder = Reporter(name(interface.RECORDER))
 
     def run(self, progress: Callable[[float], None] = lambda time: None) -> None:
         """Run to the end of the scenario; call ``progress`` with the simulated time [s] now and then."""
@@ -78,15 +88,19 @@ class Simulation:
                 component.receive(output.topic, output.value, now)
 
 
-def simulate(scenario: Scenario, bag: Path, progress: Callable[[float], None] = lambda time: None) -> Journal:
+def simulate(
+    scenario: Scenario, bag: Path, namespace: str = '', progress: Callable[[float], None] = lambda time: None
+) -> Journal:
     """Run a scenario offline and write its bag; return what the recording counted."""
     writer = BagWriter(bag)
-    journal = Journal(writer, '', round(scenario.plant.control_period * 1e9))
+    journal = Journal(writer, namespace, round(scenario.plant.control_period * 1e9))
     types = {row.name: row.type for row in TOPICS}
+
+    def take(output: Output) -> None:
+        journal.add(output.topic, encode(types[output.topic], output.value))
+
     try:
-        Simulation(scenario, lambda output: journal.add(output.topic, encode(types[output.topic], output.value))).run(
-            progress
-        )
+        Simulation(scenario, take, namespace).run(progress)
     finally:
         journal.flush()
         writer.close()

@@ -7,7 +7,7 @@ from typing import Any, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from omni_vehicle_ros.messages import VALUE_TYPES, MessageError
+from omni_vehicle_ros.messages import VALUE_TYPES
 
 Array = NDArray[Any]
 
@@ -61,10 +61,10 @@ def make_columns(topic: str, type_name: str, log_times: Sequence[int], values: S
     values
         As `messages.decode` gives them.
 
-    Raises
-    ------
-    MessageError
-        A value has neither as many numbers as names, nor none.
+    Returns
+    -------
+    Columns
+        With NaN where a message lacks a joint, or has not as many numbers as names.
     """
     hints = get_type_hints(VALUE_TYPES[type_name])
     fields = {name: [value[place] for value in values] for place, name in enumerate(hints)}
@@ -102,8 +102,8 @@ def _by_name(entries: list[Any], named: list[tuple[str, ...]], names: tuple[str,
     column = np.full((len(entries), len(names), *shape), np.nan)
     places = {name: place for place, name in enumerate(names)}
     for row, (some, entry) in enumerate(zip(named, entries, strict=True)):
-        if len(entry) not in (0, len(some)):
-            raise MessageError(f'message {row} has {len(entry)} numbers for {len(some)} names')
+        if len(entry) != len(some):
+            continue
         for name, number in zip(some, entry, strict=False):
             column[row, places[name]] = number
     return column

@@ -5,8 +5,8 @@ from typing import Protocol
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.messages.stamps import stamp_of
 
-SETTLE = 2
-"""Cycles that a message waits for those of the same time."""
+SETTLE = 40
+"""Cycles that a message waits for those of the same time: more than the plant runs ahead of the recorder."""
 
 FOREIGN = 1_000_000_000
 """A stamp farther than this from simulated time is of another clock [ns]."""

@@ -14,6 +14,9 @@ from omni_vehicle_ros.model.state import initial_state, state_view
 from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS, per_wheel
 
+ACTUATOR_LIMITS = (6.3, 1000.0, 1e6)
+"""No steer angle [rad], rate [rad/s] or torque [N m] of a sane module is beyond these."""
+
 
 class _Actuators(NamedTuple):
     """What one module said that it does: steer angle [rad], rate [rad/s], drive torque [N m]."""
@@ -64,7 +67,7 @@ class Plant:
             self.end = value.end if topic == 'driver/step' else self.end
         elif topic in self.sources and isinstance(value, Joints):
             self._take_actuators(self.sources.index(topic), value)
-        elif topic.startswith('environment/'):
+        elif topic.startswith('environment/') and isinstance(value, Joints | Vector):
             self._take_environment(topic, value)
 
     def _take_actuators(self, wheel: int, value: Joints) -> None:
@@ -77,10 +80,16 @@ class Plant:
         if not all(map(math.isfinite, actuators)):
             self._rejected = f'{WHEELS[wheel]}/state is not finite: {tuple(actuators)}; the last one is kept'
             return
+        for name, number, limit in zip(_Actuators._fields, actuators, ACTUATOR_LIMITS, strict=True):
+            if abs(number) > limit:
+                self._rejected = f'{WHEELS[wheel]}/state: {name} {number:g} is beyond {limit:g}; the last one is kept'
+                return
         self._actuators[wheel] = actuators
 
-    def _take_environment(self, topic: str, value: Value) -> None:
+    def _take_environment(self, topic: str, value: Joints | Vector) -> None:
         try:
+            if value.frame not in ('', interface.BASE_FRAME) and isinstance(value, Vector):
+                raise ValueError(f'frame {value.frame!r} is not {interface.BASE_FRAME}')
             self._environment = changed_environment(self._environment, topic, value)
         except ValueError as error:
             self._rejected = f'{topic}: {error}; the last one is kept'

@@ -19,7 +19,7 @@ from omni_vehicle_ros.control.commands import (
     check_speed,
     check_traction,
 )
-from omni_vehicle_ros.control.freshness import CommandMonitor, Freshness
+from omni_vehicle_ros.control.freshness import NANOSECONDS, CommandMonitor, Freshness
 from omni_vehicle_ros.control.health import ERROR, WARN
 from omni_vehicle_ros.control.motion import STRAIGHT, Motion, magnitude_of_speed
 from omni_vehicle_ros.errors import CommandError
@@ -32,6 +32,10 @@ class Source(Enum):
     SPEED = 'driver/speed'
     TRACTION = 'driver/traction'
     CMD_VEL = 'cmd_vel'
+
+
+REFUSAL_SHOWN = NANOSECONDS
+"""How long a refusal is reported [ns]."""
 
 
 class Demand(NamedTuple):
@@ -71,10 +75,11 @@ class Driver:
         self._monitors = {source: CommandMonitor(self._steering.command_timeout) for source in Source}
         self._source: Source | None = None
         self._icr: Motion | None = None
+        self._lost = False  # the driver has said where to turn, but never to where that can be
         self._speed = 0.0
         self._traction = TractionDemand(0.0, 0.0, '')
         self._twist = TwistDemand(None, 0.0, '')
-        self._refused: dict[str, str] = {}
+        self._refused: dict[str, tuple[str, int]] = {}
         self._clamped: dict[Source, str] = {}
 
     def icr(self, command: PointCommand, now: int) -> None:
@@ -82,8 +87,10 @@ class Driver:
         try:
             self._icr = check_icr(command, self._vehicle, self._steering)
         except CommandError as error:
-            self._refuse('driver/icr', error)
+            self._lost = self._icr is None
+            self._refuse('driver/icr', error, now)
         else:
+            self._lost = False
             self._refused.pop('driver/icr', None)
 
     def speed(self, command: TwistCommand, now: int) -> None:
@@ -91,7 +98,7 @@ class Driver:
         try:
             self._speed, warning = check_speed(command, self._steering)
         except CommandError as error:
-            self._refuse(Source.SPEED.value, error)
+            self._refuse(Source.SPEED.value, error, now)
         else:
             self._accept(Source.SPEED, command.stamp, now, warning)
 
@@ -100,7 +107,7 @@ class Driver:
         try:
             self._traction = check_traction(command, self._vehicle, self._steering)
         except CommandError as error:
-            self._refuse(Source.TRACTION.value, error)
+            self._refuse(Source.TRACTION.value, error, now)
         else:
             self._accept(Source.TRACTION, command.stamp, now, self._traction.warning)
 
@@ -109,7 +116,7 @@ class Driver:
         try:
             self._twist = check_cmd_vel(command, self._vehicle, self._steering)
         except CommandError as error:
-            self._refuse(Source.CMD_VEL.value, error)
+            self._refuse(Source.CMD_VEL.value, error, now)
         else:
             self._accept(Source.CMD_VEL, command.stamp, now, self._twist.warning)
 
@@ -124,6 +131,8 @@ class Driver:
             return Demand(None, 0.0)
         if self._source is Source.CMD_VEL:
             return Demand(self._twist.motion, self._twist.magnitude)
+        if self._lost:
+            return Demand(None, 0.0)
         if self._source is Source.TRACTION:
             return Demand(self._icr or STRAIGHT, 0.0, self._traction)
         if self._icr is None:
@@ -141,7 +150,7 @@ class Driver:
 
     def notes(self, now: int) -> list[tuple[int, str]]:
         """Return levels and messages of what is wrong at ``now`` [ns]."""
-        notes = [(ERROR, text) for text in self._refused.values()]
+        notes = [(ERROR, text) for text, when in self._refused.values() if now - when <= REFUSAL_SHOWN]
         if self._source is None:
             return notes
         source = self._source
@@ -155,8 +164,9 @@ class Driver:
             notes.append((WARN, f'{source.value}: {self._monitors[source].warning}'))
         return notes
 
-    def _refuse(self, topic: str, error: CommandError) -> None:
-        self._refused[topic] = f'{error}; refused, the last good one holds'
+    def _refuse(self, topic: str, error: CommandError, now: int) -> None:
+        holds = 'there is no good one: speed 0' if self._lost else 'the last good one holds'
+        self._refused[topic] = f'{error}; refused, {holds}', now
 
     def _accept(self, source: Source, stamp: int, now: int, warning: str) -> None:
         self._refused.pop(source.value, None)

@@ -58,9 +58,9 @@ def _plain(value: Any) -> Any:
 
 def _store_coerced(node: Node, name: str, value: Any) -> None:
     """Let the node hold the value in its declared type, so that ``ros2 param get`` shows a double."""
-    plain = list(value) if isinstance(value, tuple) else value
-    if type(node.get_parameter(name).value) is not type(plain):
-        node._parameters[name] = Parameter(name, value=plain)
+    coerced = Parameter(name, value=list(value) if isinstance(value, tuple) else value)
+    if node.get_parameter(name).type_ is not coerced.type_:
+        node._parameters[name] = coerced
 
 
 def on_change(node: Node, current: P, apply: Callable[[P], None]) -> None:
@@ -78,4 +78,10 @@ def on_change(node: Node, current: P, apply: Callable[[P], None]) -> None:
             apply(held[0])
         return SetParametersResult(successful=True)
 
+    def store(changes: list[Parameter]) -> None:
+        for change in changes:
+            if hasattr(held[0], change.name):
+                _store_coerced(node, change.name, getattr(held[0], change.name))
+
     node.add_on_set_parameters_callback(check)
+    node.add_post_set_parameters_callback(store)

@@ -16,8 +16,12 @@ from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell, StartError
 from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
 
-RECORDER_WINDOW = 32
-"""Cycles that the plant may run ahead of the recorder in lock step: half the depth of the publishers."""
+RECORDER_WINDOW = 16
+"""Cycles that the plant may run ahead of the recorder in lock step.
+
+There are 23 messages in a cycle, and the shared memory of Fast DDS holds 512 for one process: with more of them on the
+way some would be dropped, and sent again later than the publishers remember them.
+"""
 
 
 NEWCOMER = 5.0
@@ -58,7 +62,7 @@ class PlantNode(Shell):
             self.act()
             return
         if topic in self._states:
-            self._states[topic] = max(self._states[topic], value.stamp)
+            self._states[topic] = max(self._states[topic], min(value.stamp, self.now))
         super().take(topic, value)
 
     def act(self) -> None:

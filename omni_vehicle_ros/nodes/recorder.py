@@ -22,7 +22,7 @@ from omni_vehicle_ros.parameters import PlantParameters
 DEPTH = 4000
 """Messages of one topic that may wait for the recorder: many times what the plant lets it fall behind."""
 
-ACKNOWLEDGE = 8
+ACKNOWLEDGE = 4
 """Cycles from one acknowledgement to the next."""
 
 FLUSH_PERIOD = 0.2
@@ -47,7 +47,7 @@ class RecorderNode(Shell):
         self.connect()
         for row in self.topics():
             if row.recorded:
-                subscribe_to(self, row, self.vehicle_namespace, self._taker(row), depth=DEPTH, latched=row.qos.latched)
+                subscribe_to(self, row, self.vehicle_namespace, self._taker(row), depth=DEPTH)
 
     def _taker(self, row: interface.Topic) -> Callable[[bytes], None]:
         name, type_name = row.name, row.type

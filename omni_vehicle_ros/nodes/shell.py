@@ -19,6 +19,9 @@ from omni_vehicle_ros.parameters import PacingParameters
 
 WARN_PERIOD = 5.0
 
+FUTURE = 1_000_000_000
+"""A stamp farther ahead than this is of another clock, and answers for now only [ns]."""
+
 INBOX = 512
 """Messages that may wait for their cycle; of a flood, the latest are kept."""
 
@@ -134,7 +137,7 @@ class Shell(Node):
             self.gate.answer(topic, value.stamp)
         else:
             self.gate.hear(topic)
-            self.gate.answer(topic, value.stamp)
+            self.gate.answer(topic, value.stamp if value.stamp < self.now + FUTURE else self.now)
         self.act()
 
     def act(self) -> None:

@@ -100,13 +100,14 @@ def test_killed_recorder_keeps_all_but_the_last_moment(lab: Lab) -> None:
     assert gaps == {5_000_000}
 
 
-def test_dead_module_is_named(lab: Lab) -> None:
-    """The command says which node died, stops the rest and keeps the bag."""
-    command = lab.command('run', str(lab.scenario(LONG)), '--out', 'run')
+def test_run_goes_on_without_a_dead_module(lab: Lab) -> None:
+    """Its wheel goes passive; bag, metrics and report are there in the end, and the command says which node died."""
+    command = lab.command('run', str(lab.scenario(LONG)), '--set', 'duration=4', '--out', 'run')
     bag = lab.path / 'run' / 'bag' / 'bag_0.mcap'
-    until(lambda: bag.exists() and bag.stat().st_size > 200_000, 'a second or two of recording')
+    until(lambda: bag.exists() and bag.stat().st_size > 20_000, 'the first cycles')
     module = next(pid for pid in lab.left() if b'__ns:=/rear_left' in Path(f'/proc/{pid}/cmdline').read_bytes())
     os.kill(module, signal.SIGKILL)
     _, errors = finish(command, 2)
     assert 'rear_left/wheel_module ended with code -9' in errors
-    assert len(open_bag(bag.parent)['odom'].vx) > 100
+    assert open_bag(bag.parent)['odom'].stamp[-1] == 4.0
+    assert (lab.path / 'run' / 'report.html').exists()
