@@ -73,7 +73,8 @@ def test_forces_are_dugoff_at_the_reported_loads_and_slips(vector, inputs, road)
         assert abs(slip) <= 0.5 * math.pi
         v_long, v_lat = speed * math.cos(turned), speed * math.sin(turned)
         force = lateral_force(v_long, v_lat, rest, VEHICLE.cornering_stiffness, 0.015)
-        assert found.lateral_force[i] == pytest.approx(force, rel=1e-6, abs=1e-3)
+        # At full use of the grip a square root of 0 stands here: the loop's 1e-11 become their root, 5e-6.
+        assert found.lateral_force[i] == pytest.approx(force, rel=1e-6, abs=1e-3 + 5e-6 * capacity)
 
 
 @quiet
