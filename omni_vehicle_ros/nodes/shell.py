@@ -45,16 +45,8 @@ class Shell(Node):
         Namespace of the node; None takes it from the command line.
     """
 
-    def __init__(
-        self, role: str, *, context: Context, namespace: str | None = None, arguments: list[str] | None = None
-    ) -> None:
-        super().__init__(
-            role.split('/')[-1],
-            context=context,
-            namespace=namespace,
-            cli_args=arguments,
-            use_global_arguments=arguments is None,
-        )
+    def __init__(self, role: str, *, context: Context, namespace: str | None = None) -> None:
+        super().__init__(role.split('/')[-1], context=context, namespace=namespace)
         self.role = role
         self.finished = False
         self.gate = Gate(())
