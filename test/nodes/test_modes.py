@@ -5,9 +5,11 @@ import signal
 from collections import defaultdict
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from omni_vehicle_ros.bags import read_messages
+from omni_vehicle_ros.bags import open_bag, read_messages
+from omni_vehicle_ros.wheels import WHEELS
 
 from .conftest import Lab, finish, until
 
@@ -80,3 +82,27 @@ def test_a_second_vehicle_of_the_same_name_gives_way(lab: Lab) -> None:
     assert first.poll() is None
     first.send_signal(signal.SIGINT)
     finish(first)
+
+
+SLIP_CONTROL = """
+duration: 5.0
+side_slip_control: true
+plant: {constant_speed: true, initial_speed: 4.1667}
+commands:
+  - {at: 0.0, icr: [0.0, 5.0], speed: 4.1667}
+"""
+
+
+def test_side_slip_control_is_stable_over_dds(lab: Lab) -> None:
+    """Gains (5, 5, 0, 0), real actuators: the loop settles at angle = set-point - K slip, and slips less."""
+    for name, gains in (('with', '[5.0, 5.0, 0.0, 0.0]'), ('without', '[0.0, 0.0, 0.0, 0.0]')):
+        scenario = str(lab.scenario(SLIP_CONTROL))
+        finish(lab.command('run', scenario, '--set', f'side_slip.proportional_gains={gains}', '--out', name))
+    bag, other = open_bag(lab.path / 'with' / 'bag'), open_bag(lab.path / 'without' / 'bag')
+    angle, slip = bag['joint_states'].position[-100:, :4], bag['tyres/side_slip'].position[-100:]
+    set_point = [bag[f'{wheel}/command'].position[-1, 0] for wheel in WHEELS]
+    gains = np.array([5.0, 5.0, 0.0, 0.0])
+    assert np.ptp(angle, axis=0).max() < 1e-3
+    assert angle[-1] == pytest.approx(set_point - gains * slip[-1], abs=1e-3)
+    uncontrolled = other['tyres/side_slip'].position[-1]
+    assert np.all(slip[-1, :2] < 0.75 * uncontrolled[:2])

@@ -87,7 +87,7 @@ def test_killed_recorder_keeps_all_but_the_last_moment(lab: Lab) -> None:
         lambda: (directory / 'bag_0.mcap').exists() and (directory / 'bag_0.mcap').stat().st_size > 400_000,
         'some recording',
     )
-    before = max(message.log_time for message in read_messages(directory))
+    before = max(message.log_time for message in read_messages(directory) if message.topic == '/joint_states')
     recorder = [pid for pid in lab.left() if b'nodes.recorder' in Path(f'/proc/{pid}/cmdline').read_bytes()]
     os.kill(recorder[0], signal.SIGKILL)
     _, errors = finish(command, 2)
