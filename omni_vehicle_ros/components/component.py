@@ -2,23 +2,7 @@
 
 from typing import NamedTuple, Protocol
 
-from omni_vehicle_ros.messages import (
-    Clock,
-    Diagnostics,
-    Forces,
-    Imu,
-    Joints,
-    Odometry,
-    Point,
-    Status,
-    Step,
-    Twist,
-    Vector,
-    Wrench,
-)
-
-Value = Clock | Diagnostics | Forces | Imu | Joints | Odometry | Point | Step | Twist | Vector | Wrench
-"""What a stamped message says."""
+from omni_vehicle_ros.messages import Diagnostics, Status, Value
 
 NANOSECONDS = 1_000_000_000
 DIAGNOSTICS_PERIOD = NANOSECONDS

@@ -1,8 +1,8 @@
 """The driver of a scenario: says what its script says, when it says it."""
 
-from omni_vehicle_ros.components.component import OK, Output, Reporter, Value
+from omni_vehicle_ros.components.component import OK, Output, Reporter
 from omni_vehicle_ros.interface import TOPICS
-from omni_vehicle_ros.messages import Step
+from omni_vehicle_ros.messages import Step, Value
 from omni_vehicle_ros.scenarios.scenario import Scenario
 from omni_vehicle_ros.scenarios.script import DriverScript
 

@@ -1,9 +1,9 @@
 """ICR steering: driver commands in, set-points of the four wheel modules out."""
 
-from omni_vehicle_ros.components.component import ERROR, Output, Reporter, Value, worst
+from omni_vehicle_ros.components.component import ERROR, Output, Reporter, worst
 from omni_vehicle_ros.components.joints import VehicleJoints, module_joints, vehicle_joints
 from omni_vehicle_ros.control.icr_steering import IcrSteering as Law
-from omni_vehicle_ros.messages import Joints, Point, Twist, Wrench
+from omni_vehicle_ros.messages import Joints, Point, Twist, Value, Wrench
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
 

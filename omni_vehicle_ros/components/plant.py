@@ -4,9 +4,9 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros import interface
-from omni_vehicle_ros.components.component import ERROR, OK, WARN, Output, Reporter, Value
+from omni_vehicle_ros.components.component import ERROR, OK, WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import ZEROS, VehicleJoints
-from omni_vehicle_ros.messages import Clock, Forces, Imu, Joints, Odometry, Step, Vector
+from omni_vehicle_ros.messages import Clock, Forces, Imu, Joints, Odometry, Step, Value, Vector
 from omni_vehicle_ros.model import body
 from omni_vehicle_ros.model import plant as model
 from omni_vehicle_ros.model.constants import constants

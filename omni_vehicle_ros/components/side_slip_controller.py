@@ -1,8 +1,8 @@
 """The side-slip controller: tyre slip in, steering trims out."""
 
-from omni_vehicle_ros.components.component import Output, Reporter, Value
+from omni_vehicle_ros.components.component import Output, Reporter
 from omni_vehicle_ros.control.side_slip import SideSlipController as Law
-from omni_vehicle_ros.messages import Joints
+from omni_vehicle_ros.messages import Joints, Value
 from omni_vehicle_ros.parameters import SideSlipParameters
 from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel, steer_joint
 

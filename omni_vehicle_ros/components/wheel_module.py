@@ -1,10 +1,10 @@
 """One wheel module: set-point and trim in, what its actuators do out."""
 
-from omni_vehicle_ros.components.component import OK, WARN, Output, Reporter, Value, worst
+from omni_vehicle_ros.components.component import OK, WARN, Output, Reporter, worst
 from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
 from omni_vehicle_ros.control.wheel_module import Setpoint
 from omni_vehicle_ros.control.wheel_module import WheelModule as Law
-from omni_vehicle_ros.messages import Joints
+from omni_vehicle_ros.messages import Joints, Value
 from omni_vehicle_ros.parameters import WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS
 

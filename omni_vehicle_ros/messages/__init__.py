@@ -21,6 +21,7 @@ from omni_vehicle_ros.messages.values import (
     Step,
     Text,
     Twist,
+    Value,
     Vector,
     Wrench,
 )
@@ -40,6 +41,7 @@ __all__ = [
     'Step',
     'Text',
     'Twist',
+    'Value',
     'Vector',
     'Wrench',
     'decode',

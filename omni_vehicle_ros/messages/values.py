@@ -139,3 +139,7 @@ class Diagnostics(NamedTuple):
     stamp: int
     statuses: tuple[Status, ...]
     frame: str = ''
+
+
+Value = Clock | Diagnostics | Forces | Imu | Joints | Odometry | Point | Step | Twist | Vector | Wrench
+"""What a stamped message says."""

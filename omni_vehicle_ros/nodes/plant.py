@@ -6,9 +6,9 @@ import time
 from rclpy.context import Context
 
 from omni_vehicle_ros import interface
-from omni_vehicle_ros.components.component import Output, Value
+from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.plant import Plant
-from omni_vehicle_ros.messages import Text, decode
+from omni_vehicle_ros.messages import Text, Value, decode
 from omni_vehicle_ros.model.warm import warm
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.ports import subscribe_to

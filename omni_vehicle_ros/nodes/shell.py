@@ -8,10 +8,10 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from omni_vehicle_ros import interface
-from omni_vehicle_ros.components.component import Component, Output, Value
+from omni_vehicle_ros.components.component import Component, Output
 from omni_vehicle_ros.components.gate import Gate
 from omni_vehicle_ros.errors import MessageError, OmniVehicleError
-from omni_vehicle_ros.messages import Step, Text, decode, encode
+from omni_vehicle_ros.messages import Step, Text, Value, decode, encode
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.handshake import Handshake
 from omni_vehicle_ros.nodes.ports import publish_on, subscribe_to

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omni_vehicle_ros.components.component import Output, Value
+from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.joints import JOINT_NAMES, vehicle_joints
 from omni_vehicle_ros.components.plant import Plant
-from omni_vehicle_ros.messages import Diagnostics, Forces, Imu, Joints, Odometry, Step, Vector
+from omni_vehicle_ros.messages import Diagnostics, Forces, Imu, Joints, Odometry, Step, Value, Vector
 from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
