@@ -95,6 +95,10 @@ def start(
         flush=True,
     )
     start_vehicle(loaded, directory, namespace=namespace, publish_clock=clock)
+    from omni_vehicle_ros.console import complaints
+
+    for line in complaints(directory):
+        print(line)
     print(f'bag     {directory / "bag"}\nreport  {directory / "report.html"}')
 
 

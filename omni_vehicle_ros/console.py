@@ -1,6 +1,7 @@
 """What a person sees in the terminal: a progress bar, and a short table of results."""
 
 import math
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -70,16 +71,16 @@ def results_table(scenario: Scenario, result: RunResult) -> None:
         f'speed {_number(speed["initial"])} -> {_number(speed["final"])} m/s; yaw rate {_number(yaw_rate)} rad/s',
         f'{result.messages} messages, {result.lost} lost; '
         f'{result.rate:.1f} x real time after {result.start:.1f} s to start',
-        *_complaints(result),
+        *complaints(result.directory),
         f'bag     {result.directory / "bag"}',
         f'report  {result.directory / "report.html"}',
     ):
         console.print(line, highlight=False, markup=False)
 
 
-def _complaints(result: RunResult) -> list[str]:
-    """Return what the nodes complained about, the first few."""
-    found = troubles(open_bag(result.directory / 'bag'))
+def complaints(directory: Path) -> list[str]:
+    """Return what the nodes complained about in a run, the first few."""
+    found = troubles(open_bag(directory / 'bag'))
     more = [f'... and {len(found) - SHOWN} more on /diagnostics'] if len(found) > SHOWN else []
     lines = [f'{trouble.time:8.3f} s  {trouble.node}: {trouble.message}' for trouble in found[:SHOWN]]
     return [*lines, *more]

@@ -4,11 +4,11 @@ import json
 import re
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from omni_vehicle_ros.errors import BagError, RunError
+from omni_vehicle_ros.errors import OmniVehicleError, RunError
 from omni_vehicle_ros.interface import DRIVER, NODES, SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.scenarios import Scenario
 
@@ -166,12 +166,24 @@ def run_scenario(
             namespace=namespace,
             publish_clock=publish_clock,
         )
-        graph.run(watch.advance)
+        try:
+            graph.run(watch.advance)
+        except RunError as error:
+            raise RunError(f'{error}{_salvage(directory, scenario)}') from None
         messages, lost, dead = graph.messages, graph.lost, tuple(graph.dead.values())
         if graph.interrupted:
             raise Interrupted(f'interrupted; {messages} messages lie in {directory / "bag"}')
     metrics = analyse(directory, scenario)
     return RunResult(directory, metrics, messages, lost, dead, watch.start, watch.rate)
+
+
+def _salvage(directory: Path, scenario: Scenario) -> str:
+    """Analyse what was recorded before a node died; say where it is."""
+    try:
+        analyse(directory, scenario)
+    except OmniVehicleError:
+        return ''
+    return f'; what was recorded before: {directory / "report.html"}'
 
 
 def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', publish_clock: bool = True) -> None:
@@ -187,10 +199,13 @@ def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', p
     nodes = tuple(node for node in participants(scenario) if node != DRIVER)
     check_namespace(namespace)
     new_directory(directory)
-    (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
+    driven = replace(
+        scenario, name='start', description='Driven from outside.', commands=(), environment=(), values={}
+    )
+    (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
     graph = Graph(
         directory,
-        scenario,
+        driven,
         nodes,
         one_process=False,
         pacing='realtime',
@@ -198,10 +213,20 @@ def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', p
         publish_clock=publish_clock,
     )
     graph.run(lambda time: None)
-    try:
-        analyse(directory, scenario)
-    except BagError as error:
-        raise Interrupted(f'stopped before there was anything to analyse: {error}') from None
+    ended = recorded_time(directory)
+    if ended is None:
+        raise Interrupted('stopped before the vehicle was up: there is nothing to analyse')
+    driven = replace(driven, duration=ended)
+    (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
+    analyse(directory, driven)
+
+
+def recorded_time(directory: Path) -> float | None:
+    """Return how long the vehicle was up in a run [s]; None if it never was."""
+    from omni_vehicle_ros.bags import open_bag
+
+    bag = open_bag(directory / 'bag')
+    return float(bag['odom'].stamp[-1]) if 'odom' in bag and len(bag['odom']) > 1 else None
 
 
 def analyse(directory: Path, scenario: Scenario) -> dict[str, Any]:

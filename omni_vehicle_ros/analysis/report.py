@@ -1,12 +1,13 @@
 """The report of a run: one HTML page that needs nothing else."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from omni_vehicle_ros import __version__
 from omni_vehicle_ros.analysis import summary
+from omni_vehicle_ros.analysis.troubles import Trouble, troubles
 from omni_vehicle_ros.bags import Bag, open_bag
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.scenarios import Scenario, load_scenario
@@ -33,7 +34,7 @@ def write_report(directory: Path) -> None:
     bag = open_bag(directory / 'bag')
     try:
         metrics = json.loads((directory / 'metrics.json').read_text(encoding='utf-8'))
-        page = render_report(scenario, metrics, _draw(bag, scenario))
+        page = render_report(scenario, metrics, _draw(bag, scenario), troubles(bag))
         (directory / 'report.html').write_text(page, encoding='utf-8')
     except OSError as error:
         raise RunError(f'{error.filename}: {error.strerror}') from None
@@ -53,7 +54,9 @@ def _draw(bag: Bag, scenario: Scenario) -> list[dict[str, str]]:
         ]
 
 
-def render_report(scenario: Scenario, metrics: Mapping[str, Any], plots: list[dict[str, str]]) -> str:
+def render_report(
+    scenario: Scenario, metrics: Mapping[str, Any], plots: list[dict[str, str]], complaints: Sequence[Trouble] = ()
+) -> str:
     """Return the HTML page of a run.
 
     Parameters
@@ -64,6 +67,8 @@ def render_report(scenario: Scenario, metrics: Mapping[str, Any], plots: list[di
         As in ``metrics.json``.
     plots
         Name, title, text and SVG of each figure, the first one drawn larger.
+    complaints
+        What the nodes complained about.
     """
     import jinja2
 
@@ -80,5 +85,6 @@ def render_report(scenario: Scenario, metrics: Mapping[str, Any], plots: list[di
         timeline=summary.timeline(scenario),
         changed=summary.changed(scenario),
         plots=plots,
+        complaints=complaints,
         version=__version__,
     )

@@ -14,6 +14,9 @@ from omni_vehicle_ros.model.state import initial_state, state_view
 from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS, per_wheel
 
+START_UP = 2_000_000_000
+"""Simulated time until every module must have answered once [ns]."""
+
 ACTUATOR_LIMITS = (6.3, 1000.0, 1e6)
 """No steer angle [rad], rate [rad/s] or torque [N m] of a sane module is beyond these."""
 
@@ -55,6 +58,7 @@ class Plant:
         self._environment = body.Environment(plant.bank, plant.wind, plant.friction)
         self._actuators = [_Actuators() for _ in WHEELS]
         self._passive: tuple[str, ...] = ()
+        self._heard: set[str] = set()
         self._rotation = ZEROS
         self._wheel_speed = ZEROS
         self._force = ZEROS
@@ -85,6 +89,7 @@ class Plant:
                 self._rejected = f'{WHEELS[wheel]}/state: {name} {number:g} is beyond {limit:g}; the last one is kept'
                 return
         self._actuators[wheel] = actuators
+        self._heard.add(self.sources[wheel])
 
     def _take_environment(self, topic: str, value: Joints | Vector) -> None:
         try:
@@ -177,11 +182,13 @@ class Plant:
         ]
         if self._publish_clock:
             outputs.append(Output('/clock', Clock(stamp)))
-        outputs += self._reporter.report(stamp, *self._health(now))
+        outputs += self._reporter.report(stamp, *self._health(stamp, now))
         outputs.append(Output('joint_states', joints.message(stamp, interface.BASE_FRAME)))
         return outputs
 
-    def _health(self, now: body.Evaluation) -> tuple[int, str]:
+    def _health(self, stamp: int, now: body.Evaluation) -> tuple[int, str]:
+        if self._passive and stamp < START_UP and not self._heard.issuperset(self._passive):
+            return OK, 'waiting for the first answer of the wheel modules'
         if self._passive:
             silent = ', '.join(topic.removesuffix('/state') + '/wheel_module' for topic in self._passive)
             return ERROR, f'no answer from {silent}: no torque, steer angle held'
