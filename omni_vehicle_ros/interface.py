@@ -72,7 +72,7 @@ class Topic(NamedTuple):
 
 def _wheel_topics(number: int) -> tuple[Topic, ...]:
     wheel, module = WHEELS[number], WHEEL_MODULES[number]
-    joints = f'name: {wheel}_steer, {wheel}_drive'
+    joints = f'{wheel}_steer, {wheel}_drive'
     return (
         Topic(
             f'{wheel}/command', 'sensor_msgs/msg/JointState', COMMAND, (ICR_STEERING,), (module,),

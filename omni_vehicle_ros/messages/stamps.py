@@ -4,8 +4,6 @@ import struct
 
 from omni_vehicle_ros.errors import MessageError
 
-UNSTAMPED = frozenset({'std_msgs/msg/String'})
-
 _LITTLE, _BIG = struct.Struct('<iI'), struct.Struct('>iI')
 
 

@@ -8,6 +8,7 @@ from rclpy.context import Context
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.plant import Plant
+from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import Text, Value, decode
 from omni_vehicle_ros.model.warm import warm
 from omni_vehicle_ros.nodes.declare import declare
@@ -50,9 +51,12 @@ class PlantNode(Shell):
         subscribe_to(self, interface.topic('ready'), self.vehicle_namespace, self._note_ready, latched=True)
 
     def _note_ready(self, data: bytes) -> None:
-        text = decode('std_msgs/msg/String', data)
-        if isinstance(text, Text):
-            self._ready.add(text.data)
+        try:
+            text: Text = decode(interface.topic('ready').type, data)
+        except MessageError as error:
+            self.warn(f'ready: {error}; the message is dropped')
+            return
+        self._ready.add(text.data)
 
     def take(self, topic: str, value: Value) -> None:
         """Take a message; note how far the modules and the recorder are."""
