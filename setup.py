@@ -33,7 +33,7 @@ setup(
     maintainer_email='maintainers@omni-vehicle-ros.invalid',
     python_requires='>=3.10',
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
-    package_data={f'{PACKAGE}.analysis': ['templates/*.j2']},
+    package_data={f'{PACKAGE}.{page}': ['templates/*.j2'] for page in ('analysis', 'thesis')},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
         (f'share/{PACKAGE}', ['package.xml']),

@@ -2,6 +2,7 @@
 
 import signal
 import sys
+import textwrap
 import time
 from pathlib import Path
 from types import FrameType
@@ -12,10 +13,11 @@ import typer
 from omni_vehicle_ros import __version__
 from omni_vehicle_ros.errors import OmniVehicleError, RunError
 from omni_vehicle_ros.executables import ENDING, release_signals
-from omni_vehicle_ros.run import MODES, PACINGS, Interrupted, RunResult, run_scenario, start_vehicle
+from omni_vehicle_ros.run import MODES, PACINGS, Interrupted, RunResult, new_directory, run_scenario, start_vehicle
 from omni_vehicle_ros.scenarios import load_scenario, scenario_names
 
 EXIT_USAGE = 2
+LINE = 110
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -104,9 +106,73 @@ def start(
 
 @app.command()
 def scenarios() -> None:
-    """List the scenarios."""
+    """List the scenarios, folder by folder."""
+    before = ''
     for name in scenario_names():
-        print(f'{name:20} {load_scenario(name).description.splitlines()[0]}')
+        folder = name.rpartition('/')[0]
+        if folder != before:
+            print()
+        before = folder
+        print(textwrap.fill(f'{name:24} {load_scenario(name).description}', LINE, subsequent_indent=' ' * 25))
+
+
+@app.command()
+def thesis(
+    figure: Annotated[str | None, typer.Option('--figure', metavar='N', help='One figure only, such as 4.15.')] = None,
+    chapter: Annotated[str | None, typer.Option('--chapter', metavar='N', help='Figures of a chapter: 4 or 5.')] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option('--out', metavar='DIR', help='Directory for all; must not exist. Default: runs/thesis-<date>.'),
+    ] = None,
+) -> None:
+    """Reproduce the figures of the thesis and judge its claims; leave pictures, data and index.html in DIR."""
+    from omni_vehicle_ros.console import ProgressBar
+    from omni_vehicle_ros.thesis.reproduce import Reproduction
+
+    reproduction = Reproduction(figure, chapter)
+    directory = new_directory(out or Path('runs') / f'thesis-{time.strftime("%Y%m%d-%H%M%S")}')
+    with ProgressBar('thesis', reproduction.jobs, 'jobs') as bar:
+        reproduction.write(directory, bar.advance)
+    print(f'page    {directory / "index.html"}')
+
+
+@app.command('map')
+def draw_map(
+    vehicle: Annotated[
+        Path | None,
+        typer.Option(
+            '--vehicle',
+            metavar='FILE',
+            help='YAML file of the vehicle: ROS parameters, a scenario, or vehicle parameters. Default: the vehicle of '
+            'the thesis.',
+        ),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option('--set', metavar='NAME=VALUE', help='Override a vehicle parameter; may be given again.'),
+    ] = None,
+    friction: Annotated[float, typer.Option('--friction', metavar='MU', help='Friction coefficient.')] = 0.9,
+    radius: Annotated[str, typer.Option('--radius', metavar='LOW:HIGH', help='Radii of the command [m].')] = '2:20',
+    speed: Annotated[str, typer.Option('--speed', metavar='LOW:HIGH', help='Forward speeds [m/s].')] = '0.5:15',
+    out: Annotated[
+        Path | None, typer.Option('--out', metavar='DIR', help='Directory for the results. Default: runs/map-<date>.')
+    ] = None,
+) -> None:
+    """Draw where over radius and speed there is a stable steady turn, and its margin; leave map and tables in DIR."""
+    from omni_vehicle_ros.analysis.map_request import read_request
+
+    request = read_request(vehicle, settings or [], friction, radius, speed)
+    from omni_vehicle_ros.analysis.stability_map import write_picture
+    from omni_vehicle_ros.analysis.turn_map import turn_map, write_tables
+    from omni_vehicle_ros.console import ProgressBar, limit_table
+
+    directory = new_directory(out or Path('runs') / f'map-{time.strftime("%Y%m%d-%H%M%S")}')
+    with ProgressBar('map', len(request.radii), 'radii') as bar:
+        found = turn_map(request, bar.advance)
+    write_tables(found, directory)
+    write_picture(found, directory / 'map.png')
+    limit_table(found)
+    print(f'map     {directory / "map.png"}\ntables  {directory / "map.csv"}, {directory / "limit.csv"}')
 
 
 def choose(option: str, value: str, allowed: tuple[str, ...]) -> None:

@@ -1,13 +1,14 @@
 """What a person sees in the terminal: a progress bar, and a short table of results."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from omni_vehicle_ros.analysis.troubles import troubles
@@ -16,21 +17,37 @@ from omni_vehicle_ros.run import RunResult
 from omni_vehicle_ros.scenarios import Scenario
 from omni_vehicle_ros.wheels import WHEELS
 
+if TYPE_CHECKING:
+    from omni_vehicle_ros.analysis.turn_map import TurnMap
+
 SHOWN = 6
+LIMITS_SHOWN = 12
+KMH = 3.6
 
 
 class ProgressBar:
-    """Shows how far a run is, in simulated time."""
+    """Shows how far something is, such as a run in simulated time.
 
-    def __init__(self, name: str, duration: float) -> None:
+    Parameters
+    ----------
+    name
+        What it is.
+    total
+        How far it is in the end.
+    unit
+        Of that.
+    """
+
+    def __init__(self, name: str, total: float, unit: str = 's') -> None:
+        number = '{task.completed:.1f} of {task.total:.1f}' if unit == 's' else '{task.completed} of {task.total}'
         columns = (
             TextColumn('{task.description}', markup=False),
             BarColumn(),
-            TextColumn('{task.completed:.1f} of {task.total:.1f} s'),
+            TextColumn(f'{number} {unit}'),
             TimeElapsedColumn(),
         )
         self._progress = Progress(*columns, console=Console(stderr=True))
-        self._task = self._progress.add_task(name, total=duration)
+        self._task = self._progress.add_task(name, total=total)
 
     def __enter__(self) -> 'ProgressBar':
         """Show nothing yet: a run that can't begin ends with one line."""
@@ -43,11 +60,11 @@ class ProgressBar:
         if self._progress.live.is_started:
             self._progress.stop()
 
-    def advance(self, time: float) -> None:
-        """Move the bar to a simulated time [s]; the first call shows it."""
+    def advance(self, completed: float) -> None:
+        """Move the bar, in the unit of the total; the first call shows it."""
         if not self._progress.live.is_started:
             self._progress.start()
-        self._progress.update(self._task, completed=time)
+        self._progress.update(self._task, completed=completed)
 
 
 def results_table(scenario: Scenario, result: RunResult) -> None:
@@ -69,6 +86,7 @@ def results_table(scenario: Scenario, result: RunResult) -> None:
     for line in (
         f'end at x {x:.2f} m, y {y:.2f} m, heading {math.degrees(heading):.1f} deg; path radius {_number(radius)} m',
         f'speed {_number(speed["initial"])} -> {_number(speed["final"])} m/s; yaw rate {_number(yaw_rate)} rad/s',
+        *_unsteady(metrics['steady']),
         f'{result.messages} messages, {result.lost} lost; '
         f'{result.rate:.1f} x real time after {result.start:.1f} s to start',
         *complaints(result.directory),
@@ -78,12 +96,34 @@ def results_table(scenario: Scenario, result: RunResult) -> None:
         console.print(line, highlight=False, markup=False)
 
 
+def limit_table(found: 'TurnMap') -> None:
+    """Print the limit speeds of a turn map, for some of its radii."""
+    heads = ('radius [m]', 'limit [m/s]', 'limit [km/h]', 'lost by', 'path [m]', 'most lateral force at [m/s]')
+    table = Table(*(Column(Text(head)) for head in heads), title=Text(f'{found.request.title}: limit speed'))
+    top = found.request.speeds[-1]
+    for column in found.columns[:: max(1, (len(found.columns) - 1) // LIMITS_SHOWN)]:
+        speed, cause, grip_speed = column.limit
+        limit = (f'above {top:g}', '-') if speed is None else (f'{speed:.3f}', f'{speed * KMH:.2f}')
+        path = column.edge.path_radius if column.edge else None
+        table.add_row(_number(column.radius), *limit, cause or '-', _number(path), _number(grip_speed))
+    Console(soft_wrap=True).print(table)
+
+
 def complaints(directory: Path) -> list[str]:
     """Return what the nodes complained about in a run, the first few."""
     found = troubles(open_bag(directory / 'bag'))
     more = [f'... and {len(found) - SHOWN} more on /diagnostics'] if len(found) > SHOWN else []
     lines = [f'{trouble.time:8.3f} s  {trouble.node}: {trouble.message}' for trouble in found[:SHOWN]]
     return [*lines, *more]
+
+
+def _unsteady(steady: Mapping[str, Any]) -> list[str]:
+    """Return why there is no steady state, and up to which speed there would be one, if that is known."""
+    if steady['reached']:
+        return []
+    limit = steady['limit_speed']
+    known = '' if limit is None else f'; limit speed of this turn {limit:.3f} m/s ({steady["limit_cause"]})'
+    return [f'no steady state at the end: {steady["reason"]}{known}']
 
 
 def _number(value: Any, factor: float = 1.0) -> str:

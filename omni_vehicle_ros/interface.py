@@ -86,12 +86,14 @@ def _wheel_topics(number: int) -> tuple[Topic, ...]:
             ), cyclic=True,
         ),
         Topic(
-            f'{wheel}/steer_trim', 'sensor_msgs/msg/JointState', COMMAND, (SIDE_SLIP_CONTROLLER,), (module,),
-            'Steer angle that the side-slip controller adds to the command.',
+            f'{wheel}/trim', 'sensor_msgs/msg/JointState', COMMAND, (SIDE_SLIP_CONTROLLER,), (module,),
+            'Steer angle and drive torque that the side-slip controller adds to the command.',
             (
                 ('header.stamp', 'the cycle that it belongs to'),
-                ('name', f'{wheel}_steer'),
-                ('position', 'added steer angle [rad]'),
+                ('name', joints),
+                ('position', 'added steer angle [rad], 0'),
+                ('velocity', '0, 0'),
+                ('effort', '0, added drive torque [N m]'),
             ), cyclic=True,
         ),
         Topic(
@@ -165,10 +167,20 @@ TOPICS: tuple[Topic, ...] = (
             ('source', 'names of the topics that it published on in this cycle, separated by spaces'),
         ), cyclic=True,
     ),
+    Topic(
+        'commanded_twist', 'geometry_msgs/msg/TwistStamped', COMMAND, (ICR_STEERING,), (SIDE_SLIP_CONTROLLER,),
+        'The one rigid motion that the set-points of this cycle belong to.',
+        (
+            ('header.stamp', 'the cycle that it belongs to'),
+            ('twist.linear.x, twist.linear.y', 'velocity of the centre of gravity, ahead and to the left [m/s]'),
+            ('twist.angular.z', 'yaw rate, anticlockwise [rad/s]'),
+            ('the rest', '0; all of it before any command'),
+        ), BASE_FRAME, cyclic=True,
+    ),
     *(topic for number in range(4) for topic in _wheel_topics(number)),
     Topic(
         'joint_states', 'sensor_msgs/msg/JointState', STATE, (PLANT,),
-        (ICR_STEERING, DRIVER, RECORDER, *WHEEL_MODULES),
+        (ICR_STEERING, SIDE_SLIP_CONTROLLER, DRIVER, RECORDER, *WHEEL_MODULES),
         'All eight joints, as robot_state_publisher wants them; the message that begins a control cycle.',
         (
             ('header.stamp', 'simulated time'),
@@ -179,7 +191,7 @@ TOPICS: tuple[Topic, ...] = (
         ), BASE_FRAME, cyclic=True,
     ),
     Topic(
-        'odom', 'nav_msgs/msg/Odometry', STATE, (PLANT,), (),
+        'odom', 'nav_msgs/msg/Odometry', STATE, (PLANT,), (SIDE_SLIP_CONTROLLER,),
         'True pose and twist of the centre of gravity.',
         (
             ('header.stamp', 'simulated time'),
@@ -189,7 +201,7 @@ TOPICS: tuple[Topic, ...] = (
         ), ODOM_FRAME, cyclic=True,
     ),
     Topic(
-        'imu', 'sensor_msgs/msg/Imu', STATE, (PLANT,), (),
+        'imu', 'sensor_msgs/msg/Imu', STATE, (PLANT,), (SIDE_SLIP_CONTROLLER,),
         'Heading, yaw rate and acceleration at the centre of gravity.',
         (
             ('header.stamp', 'simulated time'),

@@ -18,6 +18,8 @@ from omni_vehicle_ros.wheels import PerWheel
 
 P = TypeVar('P', bound='Parameters')
 
+TYRE_MODELS = ('dugoff', 'brush', 'magic_formula', 'lugre')
+
 
 def parameter(
     default: Any,
@@ -128,6 +130,10 @@ def _check_scalar(entry: 'dataclasses.Field[Any]', default: Any, value: Any) -> 
 class VehicleParameters(Parameters):
     """The vehicle: masses, geometry, suspension, tyres and body (thesis, Appendix A)."""
 
+    body_model: str = parameter(
+        'yaw_plane', 'yaw_plane: motion in the plane, roll follows at once; eight_dof: roll and the spin of each wheel have dynamics of their own.',
+        choices=('yaw_plane', 'eight_dof'),
+    )
     mass: float = parameter(1298.9, 'Total mass.', unit='kg', low=1.0, high=1e5)
     sprung_mass: float = parameter(1167.5, 'Sprung mass.', unit='kg', low=0.0, high=1e5)
     cg_to_front_axle: float = parameter(1.0, 'Distance from the centre of gravity to the front axle.', unit='m', low=0.01, high=20.0)
@@ -135,7 +141,7 @@ class VehicleParameters(Parameters):
     front_track: float = parameter(1.436, 'Distance between the front wheels.', unit='m', low=0.01, high=10.0)
     rear_track: float = parameter(1.436, 'Distance between the rear wheels.', unit='m', low=0.01, high=10.0)
     roll_arm: float = parameter(0.4572, 'Height of the sprung centre of gravity above the roll axis.', unit='m', low=0.0, high=5.0)
-    front_roll_centre_height: float = parameter(0.0758, 'Height of the front roll centre.', unit='m', low=0.0, high=5.0)
+    front_roll_centre_height: float = parameter(0.0758, 'Height of the front roll centre; the thesis gives that of the sprung centre of gravity, 0.533 m, which is roll_arm more.', unit='m', low=0.0, high=5.0)
     rear_roll_centre_height: float = parameter(0.0758, 'Height of the rear roll centre.', unit='m', low=0.0, high=5.0)
     yaw_inertia: float = parameter(1627.0, 'Moment of inertia about the vertical axis.', unit='kg m2', low=1.0, high=1e6)
     roll_stiffness: float = parameter(66185.8, 'Roll stiffness of both axles.', unit='N m/rad', low=1.0, high=1e7)
@@ -144,22 +150,26 @@ class VehicleParameters(Parameters):
     rear_roll_steer: float = parameter(0.2, 'Steer angle of the rear wheels per roll angle.', unit='rad/rad', low=-2.0, high=2.0)
     load_transfer: bool = parameter(True, 'Lateral load transfer acts on the wheel loads.')
     wheel_radius: float = parameter(0.35, 'Rolling radius of a wheel.', unit='m', low=0.01, high=3.0)
+    tyre_model: str = parameter('dugoff', 'Law of the tyres; all have the same stiffness and friction.', choices=TYRE_MODELS)
     cornering_stiffness: float = parameter(30000.0, 'Cornering stiffness of one tyre.', unit='N/rad', low=1.0, high=1e7)
-    longitudinal_stiffness: float = parameter(50000.0, 'Longitudinal stiffness of one tyre, per unit slip.', unit='N', low=1.0, high=1e7)
-    adhesion_reduction: float = parameter(0.015, 'Road adhesion reduction factor.', unit='s/m', low=0.0, high=1.0)
-    friction_circle: bool = parameter(True, 'Traction and brake reduce what a tyre can do sideways.')
+    longitudinal_stiffness: float = parameter(50000.0, 'Longitudinal stiffness of one tyre, per unit slip; acts in eight_dof.', unit='N', low=1.0, high=1e7)
+    adhesion_reduction: float = parameter(0.015, "Road adhesion reduction factor; of Dugoff's tyre.", unit='s/m', low=0.0, high=1.0)
+    magic_shape: float = parameter(1.193, 'Shape factor C of the Magic Formula.', low=1.0, high=2.0)
+    magic_curvature: float = parameter(-1.003, 'Curvature factor E of the Magic Formula.', low=-20.0, high=1.0)
+    lugre_sliding_share: float = parameter(0.5556, 'Friction of a fast sliding LuGre tyre over that of one that begins to slide.', low=0.01, high=1.0)
+    lugre_stribeck_speed: float = parameter(12.5, 'Stribeck speed of the LuGre tyre.', unit='m/s', low=0.01, high=1000.0)
+    friction_circle: bool = parameter(True, 'Traction and brake reduce what a tyre can do sideways; in eight_dof they always do.')
     relaxation_length: float = parameter(0.35, 'Relaxation length of a tyre; acts below walking pace only.', unit='m', low=0.05, high=2.0)
     air_density: float = parameter(1.2, 'Density of the air.', unit='kg/m3', low=0.0, high=2.0)
     side_area: float = parameter(1.2, 'Area that the lateral wind acts on.', unit='m2', low=0.0, high=200.0)
     airflow_angles: tuple[float, ...] = parameter((0.3455,), 'Airflow angles of the side force table, rising.', unit='rad', low=0.0, high=1.5708)
     side_force_coefficients: tuple[float, ...] = parameter((0.58,), 'Side force coefficients at airflow_angles.', low=0.0, high=10.0)
     aerodynamic_centre: float = parameter(0.0, 'Distance of the aerodynamic centre ahead of the centre of gravity.', unit='m', low=-10.0, high=10.0)
-    cg_height: float = parameter(0.533, 'Height of the sprung centre of gravity; the roll arm and the roll centres are what acts.', unit='m', low=0.0, high=5.0)
-    roll_inertia: float = parameter(498.9, 'Moment of inertia of the sprung mass about the roll axis; not needed while roll is quasi-static.', unit='kg m2', low=0.0, high=1e6)
-    roll_yaw_inertia: float = parameter(0.0, 'Product of inertia of roll and yaw; not needed while roll is quasi-static.', unit='kg m2', low=-1e6, high=1e6)
-    roll_damping: float = parameter(3511.6, 'Roll damping of both axles; not needed while roll is quasi-static.', unit='N m s/rad', low=0.0, high=1e7)
-    wheel_inertia: float = parameter(2.1, 'Moment of inertia of a wheel about its axle; not needed while wheels roll without slip.', unit='kg m2', low=0.0, high=1e4)
-    stability_factor: float = parameter(0.005, 'Stability factor of the yaw rate that a driver expects; not needed without yaw control.', unit='s2/m2', low=0.0, high=1.0)
+    roll_inertia: float = parameter(498.9, 'Moment of inertia of the sprung mass about the roll axis; acts in eight_dof.', unit='kg m2', low=0.0, high=1e6)
+    roll_yaw_inertia: float = parameter(0.0, 'Product of inertia of roll and yaw, the integral of x z dm; acts in eight_dof.', unit='kg m2', low=-1e6, high=1e6)
+    roll_damping: float = parameter(3511.6, 'Roll damping of both axles, shared as the roll stiffness is; acts in eight_dof.', unit='N m s/rad', low=0.0, high=1e7)
+    wheel_inertia: float = parameter(2.1, 'Moment of inertia of a wheel about its axle; acts in eight_dof.', unit='kg m2', low=0.0, high=1e4)
+    stability_factor: float = parameter(0.005, 'Stability factor A of the yaw rate that yaw_moment aims at: that of the command over 1 + A v^2.', unit='s2/m2', low=0.0, high=1.0)
     gravity: float = parameter(9.81, 'Acceleration of gravity.', unit='m/s2', low=0.1, high=30.0)
 
     def __post_init__(self) -> None:
@@ -172,11 +182,23 @@ class VehicleParameters(Parameters):
                 f'roll_stiffness: {self.roll_stiffness:g} N m/rad must be above sprung_mass * gravity * roll_arm, '
                 f'{self.sprung_mass * self.gravity * self.roll_arm:g} N m/rad, or the body falls over'
             )
+        if self.body_model == 'eight_dof':
+            self._check_eight_dof()
         angles = self.airflow_angles
         if not angles or len(angles) != len(self.side_force_coefficients):
             raise ParameterError('airflow_angles and side_force_coefficients: must have the same length, 1 or more')
         if any(b <= a for a, b in pairwise(angles)):
             raise ParameterError(f'airflow_angles: {list(angles)} must rise')
+
+    def _check_eight_dof(self) -> None:
+        least = self.sprung_mass * self.roll_arm**2 + self.roll_yaw_inertia**2 / self.yaw_inertia
+        if self.roll_inertia <= least:
+            raise ParameterError(
+                f'roll_inertia: {self.roll_inertia:g} kg m2 must be above {least:g} kg m2 with body_model eight_dof: '
+                'sprung_mass * roll_arm^2 + roll_yaw_inertia^2 / yaw_inertia'
+            )
+        if self.wheel_inertia <= 0.0:
+            raise ParameterError('wheel_inertia: 0.0 kg m2 must be above 0 kg m2 with body_model eight_dof')
 
     @property
     def wheelbase(self) -> float:
@@ -229,7 +251,7 @@ class SteeringParameters(Parameters):
 class WheelModuleParameters(Parameters):
     """One wheel module: its steering and drive actuators, and when it stops trusting its command."""
 
-    ideal_actuators: bool = parameter(False, 'Steering and drive follow their set-points at once; the side-slip loop is then stable for gains below 1 only.')
+    ideal_actuators: bool = parameter(False, 'Steering and drive follow their set-points at once; wheel_slip control is then solved exactly offline, and needs gains below 1 where it is sampled.')
     steer_delay: float = parameter(0.005, 'Time delay of the steering actuator.', unit='s', low=0.0, high=1.0)
     steer_time_constant: float = parameter(0.1, 'Time constant of the steering actuator.', unit='s', low=0.001, high=10.0)
     steer_rate_limit: float = parameter(3.0, 'Largest rate of the steer angle.', unit='rad/s', low=0.001, high=100.0)
@@ -242,14 +264,28 @@ class WheelModuleParameters(Parameters):
 
 @dataclass(frozen=True)
 class SideSlipParameters(Parameters):
-    """The side-slip controller: one PID for each wheel, target slip 0 (thesis, chapter 5)."""
+    """The side-slip controller: which law trims the wheels, its gains and limits."""
 
+    controller: str = parameter(
+        'wheel_slip',
+        'wheel_slip: a PID for each wheel, target slip 0 (thesis, chapter 5); yaw_moment: more traction on one side than on the other (2.10); '
+        'rear_steering: rear angles for zero body slip (2.11); allocation: equal slips on the commanded path.',
+        choices=('wheel_slip', 'yaw_moment', 'rear_steering', 'allocation'),
+    )
     proportional_gains: PerWheel = parameter((5.0, 5.0, 0.0, 0.0), 'Steer angle per side-slip angle; with the default actuators the loop is stable below 20.', unit='rad/rad', low=0.0, high=100.0)
     integral_gains: PerWheel = parameter((0.0, 0.0, 0.0, 0.0), 'Steer rate per side-slip angle.', unit='1/s', low=0.0, high=100.0)
     derivative_gains: PerWheel = parameter((0.0, 0.0, 0.0, 0.0), 'Steer angle per rate of the side-slip angle.', unit='s', low=0.0, high=10.0)
     derivative_time_constant: float = parameter(0.05, 'Filter time constant of the derivative part.', unit='s', low=0.001, high=10.0)
     trim_limit: float = parameter(0.5, 'Largest steering trim, to either side.', unit='rad', low=0.0, high=3.1415)
     minimum_speed: float = parameter(1.0, 'No trim below half of this speed, the whole trim above it.', unit='m/s', low=0.01, high=30.0)
+    friction_estimate: float = parameter(0.9, 'Friction coefficient that yaw_moment and allocation reckon with.', low=0.01, high=2.0)
+    yaw_gain: float = parameter(20000.0, 'yaw_moment: moment per error of the yaw rate.', unit='N m s/rad', low=0.0, high=1e6)
+    yaw_integral_gain: float = parameter(100000.0, 'yaw_moment: rate of the moment per error of the yaw rate.', unit='N m/rad', low=0.0, high=1e7)
+    yaw_derivative_gain: float = parameter(0.0, 'yaw_moment: moment per rate of the error of the yaw rate.', unit='N m s2/rad', low=0.0, high=1e5)
+    allocation_gain: float = parameter(1.0, 'allocation: steer angle per error of the direction that an axle moves in.', unit='rad/rad', low=0.0, high=20.0)
+    allocation_integral_gain: float = parameter(4.0, 'allocation: steer rate per error of the direction that an axle moves in.', unit='1/s', low=0.0, high=100.0)
+    reference_time_constant: float = parameter(0.1, 'yaw_moment and allocation: lag of the motion that the feedback expects, about that of the steering.', unit='s', low=0.001, high=10.0)
+    allocation_traction: bool = parameter(True, 'allocation: a left/right difference of traction makes the slips of both axles equal, too.')
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from omni_vehicle_ros.control.stability import side_slip_gain_limit
 from omni_vehicle_ros.errors import OmniVehicleError, RunError
 from omni_vehicle_ros.interface import DRIVER, NODES, SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.scenarios import Scenario
 
 MODES = ('processes', 'one-process', 'offline')
 PACINGS = ('lockstep', 'realtime')
+IDEAL = 1e-9  # of a cycle: time constant of an actuator that has none
 
 Progress = Callable[[float], None]
 
@@ -80,6 +82,33 @@ def participants(scenario: Scenario) -> tuple[str, ...]:
     return tuple(node for node in NODES if node != SIDE_SLIP_CONTROLLER or scenario.side_slip_control)
 
 
+def check_loop(scenario: Scenario, mode: str = 'processes') -> None:
+    """Check that wheel_slip control with ideal actuators is sampled below its limit, or solved exactly.
+
+    Raises
+    ------
+    RunError
+        A proportional gain is at the limit or beyond it.
+    ScenarioError
+        An offline run has gains without an exact form.
+    """
+    if not (scenario.side_slip_control and scenario.wheel_module.ideal_actuators):
+        return
+    if mode == 'offline':
+        from omni_vehicle_ros.simulation import exact_gains
+
+        exact_gains(scenario)
+        return
+    if scenario.side_slip.controller != 'wheel_slip':
+        return
+    gain, limit = max(scenario.side_slip.proportional_gains), side_slip_gain_limit(IDEAL, 0.0, 1.0)
+    if gain >= limit:
+        raise RunError(
+            f'side_slip.proportional_gains: {gain:g} is not below {limit:g}, where the sampled loop diverges with '
+            'ideal actuators; set wheel_module.ideal_actuators=false, or solve it exactly by --mode offline'
+        )
+
+
 def check_namespace(namespace: str) -> None:
     """Check that ROS takes a namespace.
 
@@ -139,10 +168,12 @@ def run_scenario(
     Raises
     ------
     RunError
-        The directory exists, a node failed, or an offline run was to keep real time.
+        The directory exists, a node failed, an offline run was to keep real time, or the side-slip loop would
+        diverge.
     """
     if mode == 'offline' and pacing == 'realtime':
         raise RunError('mode offline has no wall clock; choose --pacing lockstep, or --mode processes')
+    check_loop(scenario, mode)
     check_namespace(namespace)
     new_directory(directory)
     (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
@@ -192,11 +223,12 @@ def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', p
     Raises
     ------
     RunError
-        The directory exists, or a node failed.
+        The directory exists, a node failed, or a side-slip loop would diverge.
     """
     from omni_vehicle_ros.graph import Graph
 
     nodes = tuple(node for node in participants(scenario) if node != DRIVER)
+    check_loop(scenario)
     check_namespace(namespace)
     new_directory(directory)
     driven = replace(

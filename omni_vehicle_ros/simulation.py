@@ -4,17 +4,23 @@ from collections.abc import Callable
 from pathlib import Path
 
 from omni_vehicle_ros import interface
+from omni_vehicle_ros.bags import Bag
+from omni_vehicle_ros.bags.memory import MemoryWriter
 from omni_vehicle_ros.bags.writer import BagWriter
 from omni_vehicle_ros.components.component import OK, Component, Output, Reporter
 from omni_vehicle_ros.components.driver import Driver
+from omni_vehicle_ros.components.exact_side_slip import ExactSideSlip
 from omni_vehicle_ros.components.icr_steering import IcrSteering
+from omni_vehicle_ros.components.joints import ZEROS
 from omni_vehicle_ros.components.journal import Journal
 from omni_vehicle_ros.components.plant import Plant
 from omni_vehicle_ros.components.side_slip_controller import SideSlipController
 from omni_vehicle_ros.components.wheel_module import WheelModule
+from omni_vehicle_ros.errors import ScenarioError
 from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER, TOPICS, WHEEL_MODULES
 from omni_vehicle_ros.messages import encode
 from omni_vehicle_ros.scenarios import Scenario
+from omni_vehicle_ros.wheels import WHEELS, PerWheel
 
 ACKNOWLEDGE = 4
 
@@ -30,6 +36,11 @@ class Simulation:
         Called with every message, in the order in which it is said.
     namespace
         Of the vehicle.
+
+    Raises
+    ------
+    ScenarioError
+        Side-slip control with ideal actuators and gains that have no exact form.
     """
 
     def __init__(self, scenario: Scenario, take: Callable[[Output], None], namespace: str = '') -> None:
@@ -40,10 +51,12 @@ class Simulation:
         def name(role: str) -> str:
             return interface.resolve(role, namespace)
 
-        self.plant = Plant(scenario.vehicle, scenario.plant, name=name(interface.PLANT))
+        gains = exact_gains(scenario)
+        controlled = scenario.side_slip_control and gains is None
+        self.plant = Plant(scenario.vehicle, scenario.plant, name=name(interface.PLANT), slip_gain=gains or ZEROS)
         modules = [
             WheelModule(
-                role.split('/')[0], scenario.wheel_module, period, trimmed=scenario.side_slip_control, name=name(role)
+                role.split('/')[0], scenario.wheel_module, period, trimmed=controlled, name=name(role)
             )
             for role in WHEEL_MODULES
         ]
@@ -55,12 +68,18 @@ class Simulation:
             *zip(WHEEL_MODULES, modules, strict=True),
         ]
         if scenario.side_slip_control:
-            controller = SideSlipController(scenario.side_slip, name=name(SIDE_SLIP_CONTROLLER))
+            controller = (
+                SideSlipController(scenario.side_slip, scenario.vehicle, name=name(SIDE_SLIP_CONTROLLER))
+                if controlled
+                else ExactSideSlip(scenario.side_slip, self.plant, name=name(SIDE_SLIP_CONTROLLER))
+            )
             self._chain.insert(2, (SIDE_SLIP_CONTROLLER, controller))
         hearers = [*self._chain, (interface.PLANT, self.plant)]
         self._hearers = {
             row.name: [component for role, component in hearers if role in row.subscribers] for row in TOPICS
         }
+        if gains is not None:  # the trims are in the plant already
+            self._hearers.update((f'{wheel}/trim', []) for wheel in WHEELS)
         self._recorder = Reporter(name(interface.RECORDER))
 
     def run(self, progress: Callable[[float], None] = lambda time: None) -> None:
@@ -88,20 +107,55 @@ class Simulation:
                 component.receive(output.topic, output.value, now)
 
 
+def exact_gains(scenario: Scenario) -> PerWheel | None:
+    """Return the gains of wheel_slip control where it is solved exactly: with ideal actuators; else None.
+
+    Raises
+    ------
+    ScenarioError
+        There are integral or derivative gains.
+    """
+    if not (scenario.side_slip_control and scenario.wheel_module.ideal_actuators):
+        return None
+    if scenario.side_slip.controller != 'wheel_slip':
+        return None
+    for name in ('integral_gains', 'derivative_gains'):
+        gains = getattr(scenario.side_slip, name)
+        if any(gains):
+            raise ScenarioError(
+                f'side_slip.{name}: {list(gains)} must be 0 with wheel_module.ideal_actuators, where the side slip '
+                'is solved for exactly and has no past; set ideal_actuators: false'
+            )
+    return scenario.side_slip.proportional_gains
+
+
 def simulate(
     scenario: Scenario, bag: Path, namespace: str = '', progress: Callable[[float], None] = lambda time: None
 ) -> Journal:
     """Run a scenario offline and write its bag; return what the recording counted."""
     writer = BagWriter(bag)
     journal = Journal(writer, namespace, round(scenario.plant.control_period * 1e9))
+    try:
+        _run_into(journal, scenario, namespace, progress)
+    finally:
+        journal.flush()
+        writer.close()
+    return journal
+
+
+def record(scenario: Scenario) -> Bag:
+    """Run a scenario offline and return its bag without a file: the messages that `simulate` writes."""
+    writer = MemoryWriter()
+    journal = Journal(writer, '', round(scenario.plant.control_period * 1e9))
+    _run_into(journal, scenario, '', lambda time: None)
+    journal.flush()
+    return writer.bag(scenario.name)
+
+
+def _run_into(journal: Journal, scenario: Scenario, namespace: str, progress: Callable[[float], None]) -> None:
     types = {row.name: row.type for row in TOPICS}
 
     def take(output: Output) -> None:
         journal.add(output.topic, encode(types[output.topic], output.value))
 
-    try:
-        Simulation(scenario, take, namespace).run(progress)
-    finally:
-        journal.flush()
-        writer.close()
-    return journal
+    Simulation(scenario, take, namespace).run(progress)

@@ -17,6 +17,7 @@ def omni_vehicle(path: Path, *arguments: str) -> 'subprocess.CompletedProcess[st
     ('arguments', 'words'),
     [
         (('run', 'simple_turnin'), "did you mean 'simple_turning'"),
+        (('run', 'bank'), "did you mean 'thesis/bank'"),
         (('run', 'missing.yaml'), 'missing.yaml'),
         (('run', 'bad.yaml'), 'line 1'),
         (('run', 'demo', '--set', 'speeed=3'), "did you mean 'speed'"),
@@ -76,6 +77,7 @@ def test_offline_run_leaves_bag_metrics_and_report(tmp_path: Path) -> None:
 
 
 def test_help_and_scenarios(tmp_path: Path) -> None:
-    assert 'simple_turning' in omni_vehicle(tmp_path, 'scenarios').stdout
+    listed = omni_vehicle(tmp_path, 'scenarios').stdout
+    assert {'simple_turning', 'thesis/bank'} <= {line.split(' ')[0] for line in listed.splitlines()}
     assert '--set' in omni_vehicle(tmp_path, 'run', '--help').stdout
     assert omni_vehicle(tmp_path, '--version').stdout.strip() == '0.1.0'

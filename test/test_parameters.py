@@ -27,7 +27,9 @@ def test_the_vehicle_is_that_of_the_thesis() -> None:
     assert vehicle.wheelbase == pytest.approx(2.454)
     assert vehicle.wheel_x == (1.0, 1.0, -1.454, -1.454)
     assert vehicle.wheel_y == (0.718, -0.718, 0.718, -0.718)
-    assert vehicle.cg_height == pytest.approx(vehicle.front_roll_centre_height + vehicle.roll_arm)
+    # Appendix A: the sprung centre of gravity is 0.533 m high.
+    assert vehicle.front_roll_centre_height + vehicle.roll_arm == pytest.approx(0.533)
+    assert vehicle.rear_roll_centre_height == vehicle.front_roll_centre_height
 
 
 @pytest.mark.parametrize(
@@ -43,6 +45,9 @@ def test_the_vehicle_is_that_of_the_thesis() -> None:
         ({'roll_stiffness': 100.0}, 'the body falls over'),
         ({'airflow_angles': [0.2, 0.1], 'side_force_coefficients': [1.0, 1.0]}, 'must rise'),
         ({'airflow_angles': []}, 'must have the same length'),
+        ({'body_model': 'eight_dof', 'roll_inertia': 200.0}, r'roll_inertia: 200 kg m2 must be above 244\.\d* kg m2'),
+        ({'body_model': 'eight_dof', 'wheel_inertia': 0.0}, 'wheel_inertia: 0.0 kg m2 must be above 0'),
+        ({'body_model': 'bicycle'}, "body_model: 'bicycle' is not one of yaw_plane, eight_dof"),
     ],
 )
 def test_what_does_not_fit_is_refused(values: dict[str, object], words: str) -> None:

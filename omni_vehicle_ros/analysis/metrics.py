@@ -1,23 +1,29 @@
 """The figures of a run, from its bag: what ``metrics.json`` holds.
 
 A vehicle is in a steady state at the end if its yaw rate and its lateral speed have settled (see
-`omni_vehicle_ros.analysis.signals.steady_state`) and no axle slides: an axle slides when both its tyres are
-past their second critical slip, where more slip gives less force. With a forced forward speed a vehicle past
-its grip limit spins, and its signals may settle all the same: such values are not reported as steady. A vehicle
-at rest is in no steady turn.
+`omni_vehicle_ros.analysis.signals.steady_state`), no axle slides (both its tyres do, where more slip gives no more
+force; see `omni_vehicle_ros.model.tyres.region`) and it is no faster than the limit speed of its turn, if that is known
+(see `omni_vehicle_ros.analysis.turn_limit`). With a forced forward speed a vehicle past its grip limit spins, and its
+signals may settle all the same, or creep past a turn that is no longer there: such values are not reported as
+steady. A vehicle at rest is in no steady turn.
 """
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from omni_vehicle_ros.analysis.regions import Regions, region_metrics, regions
 from omni_vehicle_ros.analysis.signals import Array, last_window, peak, steady_state, step_metrics
-from omni_vehicle_ros.analysis.topics import columns, friction
+from omni_vehicle_ros.analysis.topics import columns
+from omni_vehicle_ros.analysis.turn_limit import turn_limit
 from omni_vehicle_ros.bags import Bag
-from omni_vehicle_ros.model.tyre import Region, lateral_capacity, region
+from omni_vehicle_ros.model.tyres.region import Region
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
+
+if TYPE_CHECKING:
+    from omni_vehicle_ros.model.steady_turn import Limit
 
 SIDE_SLIP_FLOOR = 1e-5
 YAW_RATE_FLOOR = 1e-4
@@ -46,7 +52,10 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
         ``path``: ``final`` [x, y, heading] [m, m, rad within +-pi], and ``radius`` of the steady turn [m],
         positive to the left, 0 when it spins in place;
         ``friction_use.<wheel>.peak`` [1]; ``load.<wheel>.minimum`` [N], 0 when the wheel lifted;
-        ``steady``: whether there is a steady state, and ``reason``, why not.
+        ``region.<wheel>``: see `region_metrics`;
+        ``steady``: whether there is a steady state, ``reason``, why not, and of a turn at a held speed about an ICR
+        that stands still ``limit_speed`` [m/s], up to which it has stable steady turns, and ``limit_cause``, what comes
+        then (see `omni_vehicle_ros.model.steady_turn.Limit`).
 
     Raises
     ------
@@ -54,7 +63,9 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
         A topic is missing or has no messages.
     """
     odom, slip, force = columns(bag, 'odom'), columns(bag, 'tyres/side_slip'), columns(bag, 'tyres/force')
-    reason = unsteady_reason(bag, vehicle or VehicleParameters())
+    vehicle = vehicle or VehicleParameters()
+    places, limit = regions(bag, vehicle), turn_limit(bag, vehicle)
+    reason = unsteady_reason(bag, places, limit)
     steady = reason is None
     return {
         'side_slip': {
@@ -69,33 +80,42 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
         },
         'friction_use': {wheel: {'peak': peak(slip.effort[:, i])} for i, wheel in enumerate(WHEELS)},
         'load': {wheel: {'minimum': _smallest(force.forces[:, i, 2])} for i, wheel in enumerate(WHEELS)},
-        'steady': {'reached': steady, 'reason': reason},
+        'region': region_metrics(places),
+        'steady': {
+            'reached': steady,
+            'reason': reason,
+            'limit_speed': limit.speed if limit else None,
+            'limit_cause': limit.cause if limit else None,
+        },
     }
 
 
-def unsteady_reason(bag: Bag, vehicle: VehicleParameters) -> str | None:
-    """Return why a run does not end in a steady state, in words, or None if it does."""
+def unsteady_reason(bag: Bag, places: Regions, limit: 'Limit | None') -> str | None:
+    """Return why a run does not end in a steady state, in words, or None if it does.
+
+    Parameters
+    ----------
+    bag
+        The run.
+    places
+        Where its tyres work.
+    limit
+        Of its turn, if it is known.
+    """
     odom = bag['odom']
     window = last_window(odom.stamp)
     if window is None:
         return 'shorter than a second'
     if max(float(np.max(np.abs(signal[window]))) for signal in (odom.vx, odom.vy, odom.yaw_rate)) < REST:
         return 'at rest'
-    sliding = [axle for axle, wheels in _AXLES if all(_region(bag, vehicle, i) is Region.SLIDING for i in wheels)]
+    sliding = [axle for axle, wheels in _AXLES if all(places.place[-1, i] == Region.SLIDING for i in wheels)]
     if sliding:
         return f'{" and ".join(sliding)} tyres sliding, past the grip limit'
+    if limit is not None and limit.speed is not None and odom.vx[-1] > limit.speed:
+        return f'faster than {limit.speed:.3f} m/s, up to which there is a stable steady turn of this radius'
     signals = (('yaw rate', odom.yaw_rate, YAW_RATE_FLOOR), ('lateral speed', odom.vy, SPEED_FLOOR))
     changing = [name for name, signal, floor in signals if steady_state(odom.stamp, signal, floor) is None]
     return f'{" and ".join(changing)} still changing' if changing else None
-
-
-def _region(bag: Bag, vehicle: VehicleParameters, wheel: int) -> Region:
-    """Return where on its curve the tyre of a wheel works at the end."""
-    slip, force = bag['tyres/side_slip'], bag['tyres/force']
-    long_force, _, load = force.forces[-1, wheel]
-    capacity = lateral_capacity(float(friction(bag)[1][-1, wheel] * load), float(long_force))
-    angle, speed = float(slip.position[-1, wheel]), float(slip.velocity[-1, wheel])
-    return region(angle, speed, capacity, vehicle.cornering_stiffness, vehicle.adhesion_reduction)
 
 
 def path_radius(time: Array, vx: Array, vy: Array, yaw_rate: Array) -> float | None:

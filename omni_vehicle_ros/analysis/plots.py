@@ -7,10 +7,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from omni_vehicle_ros.analysis.path import plot_path
+from omni_vehicle_ros.analysis.regions import regions, spans
 from omni_vehicle_ros.analysis.signals import Array
-from omni_vehicle_ros.analysis.style import ACCENT, INK, MUTED, SECOND, WHEEL_COLOURS, line
+from omni_vehicle_ros.analysis.style import ACCENT, INK, MUTED, REGION_COLOURS, SECOND, WHEEL_COLOURS, line
 from omni_vehicle_ros.analysis.topics import friction, has
 from omni_vehicle_ros.bags import Bag
+from omni_vehicle_ros.model.tyres.region import Region
 from omni_vehicle_ros.scenarios import Scenario
 from omni_vehicle_ros.wheels import WHEELS
 
@@ -21,6 +23,7 @@ _WIDTH = 5.6
 _HEIGHT = 3.7
 _SMALLEST_RANGE = 0.4
 _COMMAND = (0, (4, 2))
+_AFTER_SLIP = 3
 
 
 class Plot(NamedTuple):
@@ -43,6 +46,7 @@ def draw_plots(bag: Bag, scenario: Scenario) -> list[Plot]:
     plots = [_path(bag, scenario)]
     for draw in (_speed, _side_slip, _steer_angles, _friction_use, _loads, _forces, _body):
         plots.append(draw(bag))
+    plots.insert(_AFTER_SLIP, _regions(bag, scenario))
     if any(has(bag, topic) for topic, _, _ in _ENVIRONMENT):
         plots.append(_environment(bag))
     for plot in plots[1:]:
@@ -109,6 +113,24 @@ def _side_slip(bag: Bag) -> Plot:
     figure, (axes,) = _rows('side slip [°]')
     _each_wheel(axes, slip.stamp, np.degrees(slip.position))
     return Plot('side-slip', 'Side slip of the tyres', 'Positive where it makes a force to the left.', figure)
+
+
+def _regions(bag: Bag, scenario: Scenario) -> Plot:
+    """Draw a strip for each wheel, in the colour of the region that its tyre works in."""
+    found = regions(bag, scenario.vehicle)
+    figure, (axes,) = _rows('')
+    for region, colour in zip(Region, REGION_COLOURS, strict=True):
+        for i in range(4):
+            stretches = [(begin, end - begin) for begin, end in spans(found, i, region)]
+            axes.broken_barh(stretches, (3 - i - 0.36, 0.72), color=colour, linewidth=0.0)
+        axes.barh(-1.0, 0.0, color=colour, label=region.name.lower())
+    axes.set_yticks(range(4), [wheel.replace('_', ' ') for wheel in reversed(WHEELS)])
+    axes.set_ylim(-0.6, 3.6)
+    axes.set_xlim(found.stamp[0], found.stamp[-1])
+    axes.grid(False)
+    axes.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncol=3)
+    text = 'Sliding: more side slip makes no more side force.'
+    return Plot('regions', 'Regions of the tyres', text, figure)
 
 
 def _steer_angles(bag: Bag) -> Plot:

@@ -24,6 +24,7 @@ PAPER = '#ffffff'
 WHEEL_COLOURS = ('#0072b2', '#d55e00', '#56b4e9', '#e69f00')
 ACCENT = '#009e73'
 SECOND = '#cc79a7'
+REGION_COLOURS = ('#cfe3d8', '#f0c36d', '#b5403a')  # linear, nonlinear, sliding
 
 _BUCKETS = 400
 _STYLE: Any = {

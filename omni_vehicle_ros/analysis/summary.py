@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from omni_vehicle_ros.parameters import Parameters
-from omni_vehicle_ros.scenarios import Command, EnvironmentChange, Scenario
-from omni_vehicle_ros.scenarios.scenario import SECTIONS
+from omni_vehicle_ros.scenarios import Command, EnvironmentChange, EnvironmentProfile, Scenario
+from omni_vehicle_ros.scenarios.settings import SECTIONS
 from omni_vehicle_ros.wheels import WHEELS
 
 _NONE, _MINUS = '\u2013', '\u2212'
@@ -70,7 +70,7 @@ def timeline(scenario: Scenario) -> list[tuple[str, str]]:
     """Return when the driver or the environment does something, and what, in the order of time."""
     straight_radius = scenario.steering.straight_radius
     events = [(command.at, _said(command, straight_radius)) for command in scenario.commands]
-    events += [(change.at, _happened(change)) for change in scenario.environment]
+    events += [(entry.at, _happened(entry)) for entry in scenario.environment]
     return [(f'{at:g} s', text) for at, text in sorted(events, key=lambda event: event[0])]
 
 
@@ -99,7 +99,15 @@ def _where(icr: tuple[float, float] | str, straight_radius: float) -> str:
     return f'crab {abs(bearing):.0f}° to the {"left" if bearing > 0.0 else "right"}'
 
 
-def _happened(change: EnvironmentChange) -> str:
+def _happened(entry: EnvironmentChange | EnvironmentProfile) -> str:
+    if isinstance(entry, EnvironmentChange):
+        return _step(entry)
+    steps = ((time, _step(entry.change(time)).removeprefix(f'{entry.quantity} ')) for time, _ in entry.points[1:])
+    later = (f'{words} at {time:g} s' for time, words in steps)
+    return f'{_step(entry.change(entry.at))}, in straight lines to {"; ".join(later)}'
+
+
+def _step(change: EnvironmentChange) -> str:
     words = []
     if change.bank is not None:
         words.append(f'bank {math.degrees(change.bank):.3g}°')

@@ -1,6 +1,6 @@
 """A bag as columns: ``open_bag(path)['odom'].x``."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,6 +29,19 @@ class Bag:
 
     Topic names are relative to the vehicle's namespace, as in the wiring table, or begin with ``/``.
 
+    Parameters
+    ----------
+    path
+        What was opened, for error messages.
+    types
+        The type of every topic, by its full name.
+    messages
+        In the order of recording.
+    damage
+        Why they aren't all, if so.
+    namespace
+        Of the vehicle that names are relative to; by default that of the only one among the topics.
+
     Attributes
     ----------
     path
@@ -41,21 +54,27 @@ class Bag:
         Why the bag isn't whole, for each damaged file; empty if it is.
     """
 
-    def __init__(self, path: Path, namespace: str | None = None) -> None:
-        stream = read_messages(path)
-        messages: dict[str, list[RecordedMessage]] = {}
-        for message in stream:
-            messages.setdefault(message.topic, []).append(message)
+    def __init__(
+        self,
+        path: Path,
+        types: Mapping[str, str],
+        messages: Iterable[RecordedMessage],
+        damage: tuple[str, ...] = (),
+        namespace: str | None = None,
+    ) -> None:
+        by_topic: dict[str, list[RecordedMessage]] = {}
+        for message in messages:
+            by_topic.setdefault(message.topic, []).append(message)
         self.path = path
-        self.damage = tuple(stream.damage)
+        self.damage = damage
         if namespace is None:
-            namespace = _detect_namespace(path, list(stream.types))
+            namespace = _detect_namespace(path, list(types))
         self.namespace = f'/{namespace.strip("/")}'.rstrip('/')
         self.topics = {
-            self._short(topic): TopicInfo(type_name, len(messages.get(topic, ())))
-            for topic, type_name in sorted(stream.types.items())
+            self._short(topic): TopicInfo(type_name, len(by_topic.get(topic, ())))
+            for topic, type_name in sorted(types.items())
         }
-        self._messages = {self._short(topic): found for topic, found in messages.items()}
+        self._messages = {self._short(topic): found for topic, found in by_topic.items()}
         self._columns: dict[str, Columns] = {}
 
     @property
@@ -120,7 +139,9 @@ def open_bag(path: Path | str, *, namespace: str | None = None) -> Bag:
     BagError
         There is no such bag, or it holds several vehicles and no namespace was given.
     """
-    return Bag(Path(path), namespace)
+    stream = read_messages(path)
+    messages = list(stream)
+    return Bag(Path(path), stream.types, messages, tuple(stream.damage), namespace)
 
 
 def _detect_namespace(path: Path, topics: list[str]) -> str:

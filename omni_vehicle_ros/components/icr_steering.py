@@ -48,6 +48,7 @@ class IcrSteering:
         if self._blind:
             health = worst(health, (ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
         outputs = self._reporter.report(stamp, *health)
+        outputs.append(Output('commanded_twist', Twist(stamp, *setpoints.twist)))
         for i, wheel in enumerate(WHEELS):
             steer, drive = (setpoints.steer_angle[i], 0.0), (setpoints.wheel_speed[i], setpoints.torque[i])
             outputs.append(Output(f'{wheel}/command', module_joints(wheel, stamp, steer, drive)))

@@ -7,12 +7,10 @@ from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import ERROR, OK, WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import ZEROS, VehicleJoints
 from omni_vehicle_ros.messages import Clock, Forces, Imu, Joints, Odometry, Step, Value, Vector
-from omni_vehicle_ros.model import body
-from omni_vehicle_ros.model import plant as model
-from omni_vehicle_ros.model.constants import constants
-from omni_vehicle_ros.model.state import initial_state, state_view
+from omni_vehicle_ros.model.body_model import body_model
+from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
 from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
-from omni_vehicle_ros.wheels import WHEELS, per_wheel
+from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 
 START_UP = 2_000_000_000
 """Simulated time until every module must have answered once [ns]."""
@@ -40,28 +38,39 @@ class Plant:
         Full name of the node, for diagnostics.
     publish_clock
         Whether this plant owns /clock.
+    slip_gain
+        Proportional gains by which the wheels steer to zero side slip without any lag, in the exact algebraic
+        form; the angles of the modules are their set-points then.
     """
 
     beat = ''
     sources = tuple(f'{wheel}/state' for wheel in WHEELS)
 
     def __init__(
-        self, vehicle: VehicleParameters, plant: PlantParameters, *, name: str = '/plant', publish_clock: bool = True
+        self,
+        vehicle: VehicleParameters,
+        plant: PlantParameters,
+        *,
+        name: str = '/plant',
+        publish_clock: bool = True,
+        slip_gain: PerWheel = ZEROS,
     ) -> None:
         self.name = name
         self.period = round(plant.control_period * 1e9)
         self.end: int | None = None
         self._vehicle, self._plant = vehicle, plant
         self._publish_clock = publish_clock
-        self._constants = constants(vehicle)
-        self._state = initial_state(plant.initial_speed)
-        self._environment = body.Environment(plant.bank, plant.wind, plant.friction)
+        self._slip_gain = slip_gain
+        self._body = body_model(vehicle)
+        self._state = self._body.initial_state(plant.initial_speed)
+        self._environment = Environment(plant.bank, plant.wind, plant.friction)
         self._actuators = [_Actuators() for _ in WHEELS]
         self._passive: tuple[str, ...] = ()
         self._heard: set[str] = set()
-        self._rotation = ZEROS
-        self._wheel_speed = ZEROS
+        self._rotation = self._rate = ZEROS
         self._force = ZEROS
+        self._now = self._evaluate()
+        self._wheel_speed = self._speeds()
         self._rejected = ''
         self._reporter = Reporter(name)
 
@@ -99,8 +108,16 @@ class Plant:
         except ValueError as error:
             self._rejected = f'{topic}: {error}; the last one is kept'
 
+    @property
+    def trims(self) -> PerWheel:
+        """How far the wheels are steered beyond the angles of the modules [rad]; 0 without slip gains."""
+        angle, actuators = self._now.steer_angle, self._actuators
+        return per_wheel(lambda i: angle[i] - actuators[i].angle)
+
     def begin(self) -> list[Output]:
         """Return what the sensors see at time 0."""
+        self._now = self._evaluate()
+        self._wheel_speed = self._speeds()
         return self._sense(0)
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
@@ -115,65 +132,52 @@ class Plant:
             if topic in missing:
                 held = self._actuators[wheel]
                 self._actuators[wheel] = _Actuators(held.angle)
-        period = self._plant.control_period
-        actuators, radius = self._actuators, self._vehicle.wheel_radius
-        angle = per_wheel(lambda i: actuators[i].angle)
+        self._move()
+        return self._sense(stamp + self.period)
+
+    def _move(self) -> None:
+        """Let one control cycle pass."""
+        period, radius = self._plant.control_period, self._vehicle.wheel_radius
+        actuators, gain = self._actuators, self._slip_gain
         rate = per_wheel(lambda i: actuators[i].rate)
         self._force = per_wheel(lambda i: actuators[i].torque / radius)
-        self._state = model.advance(
+        self._state = self._body.advance(
             self._state,
-            angle,
+            self._inputs(),
             rate,
-            self._force,
             self._environment,
-            self._constants,
             period,
             self._plant.integration_step,
             self._plant.constant_speed,
         )
         self._actuators = [_Actuators(a.angle + a.rate * period, a.rate, a.torque) for a in actuators]
-        before, speed = self._wheel_speed, self._speeds()
-        rotation = self._rotation
+        angle, rotation, before = self._now.steer_angle, self._rotation, self._wheel_speed
+        now = self._now = self._evaluate()
+        speed = self._wheel_speed = self._speeds()
+        self._rate = per_wheel(lambda i: (now.steer_angle[i] - angle[i]) / period if gain[i] > 0.0 else rate[i])
         self._rotation = per_wheel(lambda i: rotation[i] + 0.5 * (before[i] + speed[i]) * period)
-        self._wheel_speed = speed
-        return self._sense(stamp + self.period)
 
-    def _speeds(self) -> tuple[float, float, float, float]:
-        state = state_view(self._state)
-        x, y, radius = self._vehicle.wheel_x, self._vehicle.wheel_y, self._vehicle.wheel_radius
-        angles = [a.angle for a in self._actuators]
-        return per_wheel(
-            lambda i: (
-                (math.cos(angles[i]) * (state.vx - y[i] * state.r) + math.sin(angles[i]) * (state.vy + x[i] * state.r))
-                / radius
-            )
-        )
+    def _inputs(self) -> Inputs:
+        actuators = self._actuators
+        return Inputs(per_wheel(lambda i: actuators[i].angle), self._force, self._slip_gain)
+
+    def _evaluate(self) -> Evaluation:
+        return self._body.evaluate(self._state, self._inputs(), self._environment, self._plant.constant_speed)
+
+    def _speeds(self) -> PerWheel:
+        return self._body.wheel_speeds(self._state, self._now.steer_angle)
 
     def _sense(self, stamp: int) -> list[Output]:
-        if stamp == 0:
-            self._wheel_speed = self._speeds()
-        actuators, speed = self._actuators, self._wheel_speed
-        state = state_view(self._state)
-        angles = per_wheel(lambda i: actuators[i].angle)
-        now = body.evaluate(
-            self._state,
-            body.Inputs(angles, self._force),
-            self._environment,
-            self._constants,
-            self._plant.constant_speed,
-        )
+        actuators, speed, now = self._actuators, self._wheel_speed, self._now
+        vx, vy, r, x, y, psi = self._state[:6].tolist()
         joints = VehicleJoints(
-            angles,
-            per_wheel(lambda i: actuators[i].rate),
-            self._rotation,
-            speed,
-            per_wheel(lambda i: actuators[i].torque),
+            now.steer_angle, self._rate, self._rotation, speed, per_wheel(lambda i: actuators[i].torque)
         )
         radius = self._vehicle.wheel_radius
         forces = tuple(zip(now.longitudinal_force, now.lateral_force, now.vertical_load, strict=True))
         outputs = [
-            Output('odom', Odometry(stamp, state.x, state.y, state.psi, state.vx, state.vy, state.r)),
-            Output('imu', Imu(stamp, now.roll_angle, state.psi, state.r, now.ax, now.ay, self._vehicle.gravity)),
+            Output('odom', Odometry(stamp, x, y, psi, vx, vy, r)),
+            Output('imu', Imu(stamp, now.roll_angle, psi, r, now.ax, now.ay, self._vehicle.gravity)),
             Output('tyres/force', Forces(stamp, WHEELS, forces)),
             Output(
                 'tyres/side_slip',
@@ -186,7 +190,7 @@ class Plant:
         outputs.append(Output('joint_states', joints.message(stamp, interface.BASE_FRAME)))
         return outputs
 
-    def _health(self, stamp: int, now: body.Evaluation) -> tuple[int, str]:
+    def _health(self, stamp: int, now: Evaluation) -> tuple[int, str]:
         if self._passive and stamp < START_UP and not self._heard.issuperset(self._passive):
             return OK, 'waiting for the first answer of the wheel modules'
         if self._passive:
@@ -201,7 +205,7 @@ class Plant:
         return OK, 'driving'
 
 
-def changed_environment(environment: body.Environment, topic: str, value: Value) -> body.Environment:
+def changed_environment(environment: Environment, topic: str, value: Value) -> Environment:
     """Return the environment after a message.
 
     Raises

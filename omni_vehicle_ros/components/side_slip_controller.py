@@ -1,44 +1,76 @@
-"""The side-slip controller: tyre slip in, steering trims out."""
+"""The side-slip controller: what the vehicle does and should do in, trims of steering and drive out."""
 
-from omni_vehicle_ros.components.component import Output, Reporter
-from omni_vehicle_ros.control.side_slip import SideSlipController as Law
-from omni_vehicle_ros.messages import Joints, Value
-from omni_vehicle_ros.parameters import SideSlipParameters
-from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel, steer_joint
+from omni_vehicle_ros.components.component import ERROR, Output, Reporter, worst
+from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
+from omni_vehicle_ros.control.controllers import make_controller
+from omni_vehicle_ros.control.trim import Sensed
+from omni_vehicle_ros.messages import Imu, Joints, Odometry, Twist, Value
+from omni_vehicle_ros.model import kinematics
+from omni_vehicle_ros.parameters import SideSlipParameters, VehicleParameters
+from omni_vehicle_ros.wheels import WHEELS, per_wheel
 
 _NO_NUMBER = float('nan')
 
 
 class SideSlipController:
-    """One PID for each wheel on its measured side slip."""
+    """The controller that the parameter ``controller`` selects; all of them are wired alike.
 
-    beat = 'tyres/side_slip'
-    sources: tuple[str, ...] = ()
+    Parameters
+    ----------
+    parameters, vehicle
+        Which one, its gains and limits; what it controls.
+    name
+        Full name of the node, for diagnostics.
+    """
 
-    def __init__(self, parameters: SideSlipParameters, *, name: str = '/side_slip_controller') -> None:
+    beat = 'joint_states'
+    sources: tuple[str, ...] = ('odom', 'imu', 'tyres/side_slip', 'commanded_twist')
+
+    def __init__(
+        self, parameters: SideSlipParameters, vehicle: VehicleParameters, *, name: str = '/side_slip_controller'
+    ) -> None:
         self.name = name
-        self._law = Law(parameters)
-        self._slip: PerWheel = (0.0, 0.0, 0.0, 0.0)
-        self._speed: PerWheel = (0.0, 0.0, 0.0, 0.0)
+        self._vehicle = vehicle
+        self._law = make_controller(parameters, vehicle)
+        self._sensed = Sensed()
+        self._blind = False
         self._reporter = Reporter(name)
 
     def configure(self, parameters: SideSlipParameters) -> None:
         """Go on with other gains and limits; integrals start anew."""
-        self._law = Law(parameters)
+        self._law = make_controller(parameters, self._vehicle)
 
     def receive(self, topic: str, value: Value, now: int) -> None:
-        """Take the side slip of the four tyres; what is missing counts as no number."""
-        if not isinstance(value, Joints):
-            return
-        slip = dict(zip(value.names, value.position, strict=False))
-        speed = dict(zip(value.names, value.velocity, strict=False))
-        self._slip = per_wheel(lambda i: slip.get(WHEELS[i], _NO_NUMBER))
-        self._speed = per_wheel(lambda i: speed.get(WHEELS[i], _NO_NUMBER))
+        """Take what was measured or commanded; side slips that are missing count as no number."""
+        sensed = self._sensed
+        if isinstance(value, Odometry):
+            sensed = sensed._replace(twist=kinematics.Twist(value.vx, value.vy, value.yaw_rate))
+        elif isinstance(value, Imu):
+            sensed = sensed._replace(lateral_acceleration=value.ay)
+        elif isinstance(value, Twist):
+            sensed = sensed._replace(commanded=kinematics.Twist(value.vx, value.vy, value.yaw_rate))
+        elif isinstance(value, Joints) and topic == 'joint_states':
+            joints = vehicle_joints(value)
+            self._blind = joints is None
+            if joints is not None:
+                sensed = sensed._replace(steer_angle=joints.steer_angle, drive_torque=joints.torque)
+        elif isinstance(value, Joints):
+            slip = dict(zip(value.names, value.position, strict=False))
+            speed = dict(zip(value.names, value.velocity, strict=False))
+            sensed = sensed._replace(
+                side_slip=per_wheel(lambda i: slip.get(WHEELS[i], _NO_NUMBER)),
+                wheel_speed=per_wheel(lambda i: speed.get(WHEELS[i], _NO_NUMBER)),
+            )
+        self._sensed = sensed
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the trims that belong to ``stamp`` [ns]."""
-        trims = self._law.update(stamp, self._slip, self._speed)
-        outputs = self._reporter.report(stamp, *self._law.status)
-        for wheel, trim in zip(WHEELS, trims, strict=True):
-            outputs.append(Output(f'{wheel}/steer_trim', Joints(stamp, (steer_joint(wheel),), (trim,))))
+        trims = self._law.update(stamp, self._sensed)
+        health = (self._law.status.level, self._law.status.message)
+        if self._blind:
+            health = worst(health, (ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
+        outputs = self._reporter.report(stamp, *health)
+        for i, wheel in enumerate(WHEELS):
+            joints = module_joints(wheel, stamp, (trims.steer_angle[i], 0.0), (0.0, trims.torque[i]))
+            outputs.append(Output(f'{wheel}/trim', joints))
         return outputs

@@ -2,7 +2,7 @@
 
 from omni_vehicle_ros.components.component import OK, WARN, Output, Reporter, worst
 from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
-from omni_vehicle_ros.control.wheel_module import Setpoint
+from omni_vehicle_ros.control.wheel_module import Setpoint, Trim
 from omni_vehicle_ros.control.wheel_module import WheelModule as Law
 from omni_vehicle_ros.messages import Joints, Value
 from omni_vehicle_ros.parameters import WheelModuleParameters
@@ -37,7 +37,7 @@ class WheelModule:
     ) -> None:
         self.name = name or f'/{wheel}/wheel_module'
         self.wheel = wheel
-        command, trim = f'{wheel}/command', f'{wheel}/steer_trim'
+        command, trim = f'{wheel}/command', f'{wheel}/trim'
         self.sources: tuple[str, ...] = (command, trim) if trimmed else (command,)
         self._index = WHEELS.index(wheel)
         self._law = Law(parameters, control_period)
@@ -53,17 +53,12 @@ class WheelModule:
             joints = vehicle_joints(value)
             if joints is not None:
                 self._wheel_speed = joints.wheel_speed[self._index]
+        elif (len(value.position), len(value.velocity), len(value.effort)) != (2, 2, 2):
+            self._malformed = f'{topic} needs position, velocity and effort of steer and drive; the last one is kept'
         elif topic.endswith('/command'):
-            if (len(value.position), len(value.velocity), len(value.effort)) == (2, 2, 2):
-                self._law.command(Setpoint(value.stamp, value.position[0], value.velocity[1], value.effort[1]))
-            else:
-                self._malformed = (
-                    f'{topic} needs position, velocity and effort of steer and drive; the last one is kept'
-                )
-        elif len(value.position) == 1:
-            self._law.trim(value.stamp, value.position[0])
+            self._law.command(Setpoint(value.stamp, value.position[0], value.velocity[1], value.effort[1]))
         else:
-            self._malformed = f'{topic} needs one position; the last one is kept'
+            self._law.trim(Trim(value.stamp, value.position[0], value.effort[1]))
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return what the actuators do from ``stamp`` [ns] to the next cycle."""

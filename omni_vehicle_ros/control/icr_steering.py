@@ -7,20 +7,23 @@ from omni_vehicle_ros.control.commands import PointCommand, TractionDemand, Twis
 from omni_vehicle_ros.control.driver import Demand, Driver
 from omni_vehicle_ros.control.freshness import NANOSECONDS, Freshness
 from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
-from omni_vehicle_ros.control.motion import STRAIGHT, Motion, nearest, opposite, turn_towards
-from omni_vehicle_ros.control.speed import (
-    STOPPING_RATE,
-    SpeedController,
-    clipped,
-    measured_magnitude,
-    moment_forces,
-    traction_forces,
+from omni_vehicle_ros.control.motion import (
+    STRAIGHT,
+    Motion,
+    length_scale,
+    nearest,
+    opposite,
+    turn_towards,
+    twist_of_motion,
 )
+from omni_vehicle_ros.control.speed import SpeedController, measured_magnitude
+from omni_vehicle_ros.control.traction import STOPPING_RATE, clipped, moment_forces, traction_forces
+from omni_vehicle_ros.model.kinematics import Twist
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 
 # Actuator lag and side-slip trims are within this of the set-points [rad], and no reason to slow down.
-_ALIGNED = 0.2
+_ALIGNED = 0.35
 
 # With a wheel so far off [rad] the vehicle would be dragged, not driven: it waits.
 _MISALIGNED = 0.8
@@ -40,6 +43,7 @@ _FASTEST = 1e3
 # A longer gap between two cycles counts as so many periods.
 _LONGEST_STEP = 20
 _ZERO: PerWheel = (0.0, 0.0, 0.0, 0.0)
+_STILL = Twist(0.0, 0.0, 0.0)
 
 
 class Setpoints(NamedTuple):
@@ -53,11 +57,14 @@ class Setpoints(NamedTuple):
         [rad/s].
     torque
         Drive torque [N m].
+    twist
+        The rigid motion that they belong to; no motion before any command.
     """
 
     steer_angle: PerWheel
     wheel_speed: PerWheel
     torque: PerWheel
+    twist: Twist
 
 
 class IcrSteering:
@@ -92,7 +99,7 @@ class IcrSteering:
         self._motion: Motion | None = None
         self._magnitude: float | None = None
         self._angles: PerWheel | None = None
-        self._setpoints = Setpoints(_ZERO, _ZERO, _ZERO)
+        self._setpoints = Setpoints(_ZERO, _ZERO, _ZERO, _STILL)
         self._notes: list[tuple[int, str]] = []
 
     def icr(self, command: PointCommand, now: int) -> None:
@@ -188,24 +195,23 @@ class IcrSteering:
             self._notes.append((WARN, f'{wheel} would pass steer_limit, {limit:g} rad, on the way: speed goes to 0'))
             demand = demand._replace(magnitude=0.0, traction=None)
         if demand.traction is not None:
-            return self._pull(demand.traction, per_wheel(lambda i: sense * steering.speeds[i]))
+            return self._pull(demand.traction, steering.speeds, sense)
         return self._drive(sense * demand.magnitude, steering.speeds, dt)
 
     def _rest(self, dt: float) -> Setpoints:
         """Keep the angles; before any command give no torque, at zero twist stand."""
         never = self._driver.state(self._now or 0) is Freshness.NEVER
         forces = _ZERO if never else self._speed_controller.stand(self._measured_speeds, dt)
-        return self._set(_ZERO, forces)
+        return self._set(0.0, _ZERO, forces)
 
-    def _pull(self, traction: TractionDemand, unit_speeds: PerWheel) -> Setpoints:
+    def _pull(self, traction: TractionDemand, unit_speeds: PerWheel, sense: float) -> Setpoints:
         self._speed_controller.reset()
         self._magnitude = None
-        speeds = self._measured_speeds
-        along = traction_forces(traction.force, unit_speeds, speeds, self._vehicle, self._steering)
+        ahead, speeds = per_wheel(lambda i: sense * unit_speeds[i]), self._measured_speeds
+        along = traction_forces(traction.force, ahead, speeds, self._vehicle, self._steering)
         turning = moment_forces(traction.yaw_moment, self._measured_angles, self._vehicle)
         forces = clipped(per_wheel(lambda i: along[i] + turning[i]), self._steering.maximum_drive_force)
-        magnitude = self._measured_magnitude(unit_speeds)
-        return self._set(per_wheel(lambda i: magnitude * unit_speeds[i]), forces)
+        return self._set(self._measured_magnitude(unit_speeds), unit_speeds, forces)
 
     def _drive(self, wanted: float, unit_speeds: PerWheel, dt: float) -> Setpoints:
         speeds = self._measured_speeds
@@ -225,7 +231,7 @@ class IcrSteering:
             forces = self._speed_controller.stand(speeds, dt)
         else:
             forces = self._speed_controller.drive(magnitude, (magnitude - before) / dt, unit_speeds, speeds, dt)
-        return self._set(per_wheel(lambda i: magnitude * unit_speeds[i]), forces)
+        return self._set(magnitude, unit_speeds, forces)
 
     def _largest_magnitude(self, unit_speeds: PerWheel) -> float:
         """Return the magnitude at which the fastest wheel is at its limit: scaling all keeps the ICR."""
@@ -247,12 +253,13 @@ class IcrSteering:
         )
         return min(max((_MISALIGNED - error) / (_MISALIGNED - _ALIGNED), 0.0), 1.0)
 
-    def _set(self, speeds: PerWheel, forces: PerWheel) -> Setpoints:
+    def _set(self, magnitude: float, unit_speeds: PerWheel, forces: PerWheel) -> Setpoints:
         radius = self._vehicle.wheel_radius
         return Setpoints(
             self._angles or _ZERO,
-            per_wheel(lambda i: speeds[i] / radius),
+            per_wheel(lambda i: magnitude * unit_speeds[i] / radius),
             per_wheel(lambda i: forces[i] * radius),
+            twist_of_motion(self._motion or STRAIGHT, magnitude, length_scale(self._vehicle)),
         )
 
 

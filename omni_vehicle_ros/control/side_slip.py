@@ -2,13 +2,11 @@
 
 import math
 
-from omni_vehicle_ros.control.freshness import NANOSECONDS
 from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
+from omni_vehicle_ros.control.pid import Pid
+from omni_vehicle_ros.control.trim import NO_TRIMS, Cycles, Sensed, Trims, fade
 from omni_vehicle_ros.parameters import SideSlipParameters
-from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
-
-# After a longer gap the past says nothing about the rate of the error.
-_LONGEST_GAP = 0.5
+from omni_vehicle_ros.wheels import WHEELS, per_wheel
 
 
 def exact_side_slip(steer_free_slip: float, gain: float) -> float:
@@ -26,70 +24,6 @@ def exact_side_slip(steer_free_slip: float, gain: float) -> float:
         Proportional gain, 0 or above.
     """
     return steer_free_slip / (1.0 + gain)
-
-
-class Pid:
-    """A PID law with a filtered derivative and conditional anti-windup.
-
-    ``output = gain e + integral of (integral_gain e) + derivative_gain s / (time_constant s + 1) e``, exact
-    for an error that runs linearly between its samples. The integral stands still while the output is beyond
-    its limit and the error would drive it further.
-
-    Parameters
-    ----------
-    gain, integral_gain, derivative_gain
-        Gains of the three parts; the output has the unit of the error.
-    derivative_time_constant
-        Of the filter of the derivative [s].
-    limit
-        Largest output, to either side.
-    """
-
-    def __init__(
-        self, gain: float, integral_gain: float, derivative_gain: float, derivative_time_constant: float, limit: float
-    ) -> None:
-        self._gains = gain, integral_gain, derivative_gain
-        self._time_constant = derivative_time_constant
-        self._limit = limit
-        self.saturated = False
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the past."""
-        self._integral = 0.0
-        self._filtered: float | None = None
-        self._last = 0.0
-
-    def update(self, error: float, dt: float) -> float:
-        """Return the output.
-
-        Parameters
-        ----------
-        error
-            Target minus measurement.
-        dt
-            Time since the last call [s]; 0 or less starts anew.
-        """
-        if dt <= 0.0 or self._filtered is None:
-            self.reset()
-            self._filtered = self._last = error
-            return self._clip(self._gains[0] * error)
-        gain, integral_gain, derivative_gain = self._gains
-        self._filtered = self._filter(self._filtered, error, dt)
-        direct = gain * error + derivative_gain * (error - self._filtered) / self._time_constant
-        integral = self._integral + integral_gain * 0.5 * (error + self._last) * dt
-        if abs(direct + integral) <= self._limit or (direct + integral) * (integral - self._integral) <= 0.0:
-            self._integral = integral
-        self._last = error
-        return self._clip(direct + self._integral)
-
-    def _filter(self, filtered: float, error: float, dt: float) -> float:
-        decay, lead = math.exp(-dt / self._time_constant), (error - self._last) * self._time_constant / dt
-        return error - lead + decay * (filtered - self._last + lead)
-
-    def _clip(self, output: float) -> float:
-        self.saturated = abs(output) > self._limit
-        return min(max(output, -self._limit), self._limit)
 
 
 class SideSlipController:
@@ -112,33 +46,24 @@ class SideSlipController:
             Pid(*gains, p.derivative_time_constant, p.trim_limit)
             for gains in zip(p.proportional_gains, p.integral_gains, p.derivative_gains, strict=True)
         )
-        self._stamp: int | None = None
-        self._dt = 0.0
-        self._trims: PerWheel = (0.0, 0.0, 0.0, 0.0)
+        self._cycles = Cycles()
+        self._trims = NO_TRIMS
         self._bad: tuple[str, ...] = ()
 
-    def update(self, stamp: int, side_slip: PerWheel, speeds: PerWheel) -> PerWheel:
-        """Return the steering trims of the four wheels [rad].
+    def update(self, stamp: int, sensed: Sensed) -> Trims:
+        """Return the trims of a cycle, which have no torque; see `Controller.update`.
 
-        Parameters
-        ----------
-        stamp
-            When the slip was measured [ns]. The same stamp again gives the same answer; a clock that
-            jumped back, or a long gap, starts anew.
-        side_slip
-            Side-slip angles [rad].
-        speeds
-            Speeds of the wheels along their headings [m/s].
+        Of what is sensed it needs side slips and wheel speeds only; a wheel with no number keeps its last
+        trim.
         """
-        if stamp == self._stamp:
+        dt = self._cycles.next(stamp)
+        if dt is None:
             return self._trims
-        dt = 0.0 if self._stamp is None else (stamp - self._stamp) / NANOSECONDS
-        self._dt = dt if dt <= _LONGEST_GAP else 0.0
-        self._stamp = stamp
+        slip, speed = sensed.side_slip, sensed.wheel_speed
         self._bad = tuple(
-            wheel for i, wheel in enumerate(WHEELS) if not (math.isfinite(side_slip[i]) and math.isfinite(speeds[i]))
+            wheel for i, wheel in enumerate(WHEELS) if not (math.isfinite(slip[i]) and math.isfinite(speed[i]))
         )
-        self._trims = per_wheel(lambda i: self._trim(i, side_slip[i], speeds[i]))
+        self._trims = Trims(per_wheel(lambda i: self._trim(i, slip[i], speed[i], dt)))
         return self._trims
 
     @property
@@ -151,17 +76,16 @@ class SideSlipController:
                 notes.append((WARN, f'trim of {wheel} is at trim_limit, {limit:g} rad'))
         return health(notes, 'controlling side slip')
 
-    def _trim(self, i: int, side_slip: float, speed: float) -> float:
+    def _trim(self, i: int, side_slip: float, speed: float, dt: float) -> float:
         if WHEELS[i] in self._bad:
-            return self._trims[i]
-        half = 0.5 * self._parameters.minimum_speed
-        fade = min(max(abs(speed) / half - 1.0, 0.0), 1.0)
+            return self._trims.steer_angle[i]
+        share = fade(speed, self._parameters.minimum_speed)
         pid = self._pids[i]
-        if fade == 0.0:
+        if share == 0.0:
             pid.reset()
             pid.saturated = False
             return 0.0
         # A side-slip angle is never past 90 deg, whatever a sensor says; a wheel that rolls backward turns away from
         # the slip by a larger steer angle, not by a smaller one.
         slip = math.copysign(min(max(side_slip, -0.5 * math.pi), 0.5 * math.pi), side_slip * speed)
-        return fade * pid.update(-slip, self._dt)
+        return share * pid.update(-slip, dt)

@@ -1,18 +1,13 @@
 """The central speed controller: one signed magnitude of the motion in, drive forces of the four wheels out.
 
-Wheels are measured by their speed over ground along their heading. ``unit_speeds`` say how fast each of them
-rolls, with its sign, for a magnitude of 1 m/s of the commanded motion.
+Wheels are measured as in `omni_vehicle_ros.control.traction`.
 """
 
 import math
 
-from omni_vehicle_ros.model.traction import share_force
+from omni_vehicle_ros.control.traction import STOPPING_RATE, clipped, rolling_signs
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
 from omni_vehicle_ros.wheels import PerWheel, per_wheel
-
-# Rate at which the speed of a wheel that has to stop dies away [1/s]. With the default time constant T of the
-# drive, 0.05 s, 4 T rate = 0.8 is below 1: no overshoot, so a brake doesn't drive the vehicle backwards.
-STOPPING_RATE = 4.0
 
 # Of the integral part, which has to find what pulls at a standing vehicle [1/s2]: critical damping.
 _HOLDING_RATE = STOPPING_RATE**2 / 4.0
@@ -20,102 +15,14 @@ _HOLDING_RATE = STOPPING_RATE**2 / 4.0
 # Reference speed from which on the vehicle counts as standing [m/s].
 _STOPPED = 0.01
 
-# Wheels that all point at the centre of gravity make no yaw moment [m].
-_SHORT_LEVER = 0.01
-
 _NO_FORCE: PerWheel = (0.0, 0.0, 0.0, 0.0)
 _EQUAL: PerWheel = (0.25, 0.25, 0.25, 0.25)
-
-
-def rolling_signs(unit_speeds: PerWheel) -> PerWheel:
-    """Return the rolling directions, +1 or -1, that go smoothly through 0 where the ICR passes a wheel.
-
-    Parameters
-    ----------
-    unit_speeds
-        Wheel speeds per magnitude; the fifth of the largest is where a sign is whole.
-    """
-    largest = max(map(abs, unit_speeds))
-    if largest == 0.0:
-        return _NO_FORCE
-    return per_wheel(lambda i: min(max(5.0 * unit_speeds[i] / largest, -1.0), 1.0))
 
 
 def measured_magnitude(unit_speeds: PerWheel, speeds: PerWheel) -> float:
     """Return the signed magnitude that fits the measured wheel speeds best, by least squares [m/s]."""
     square = sum(unit * unit for unit in unit_speeds)
     return sum(u * v for u, v in zip(unit_speeds, speeds, strict=True)) / square if square else 0.0
-
-
-def stopping_forces(largest: PerWheel, speeds: PerWheel, mass: float) -> PerWheel:
-    """Return brake forces that oppose each wheel's own motion and never turn it round [N].
-
-    Parameters
-    ----------
-    largest
-        Size of each force while the wheel rolls fast enough [N].
-    speeds
-        Measured wheel speeds [m/s].
-    mass
-        Of the vehicle [kg]; close to standstill a wheel slows down at `STOPPING_RATE`, as if it carried a
-        quarter.
-    """
-    gain = 0.25 * mass * STOPPING_RATE
-    return per_wheel(lambda i: -math.copysign(min(abs(largest[i]), gain * abs(speeds[i])), speeds[i]))
-
-
-def moment_forces(moment: float, steer_angles: PerWheel, vehicle: VehicleParameters) -> PerWheel:
-    """Return the smallest forces along the wheels' headings that make a yaw moment [N].
-
-    For wheels that point straight ahead: Mz = T / 2 (right - left) on each axle (thesis, 2.10).
-
-    Parameters
-    ----------
-    moment
-        Yaw moment, anticlockwise [N m].
-    steer_angles
-        [rad].
-    vehicle
-        Positions of the wheels.
-    """
-    x, y = vehicle.wheel_x, vehicle.wheel_y
-    levers = per_wheel(lambda i: x[i] * math.sin(steer_angles[i]) - y[i] * math.cos(steer_angles[i]))
-    square = sum(lever * lever for lever in levers)
-    return per_wheel(lambda i: moment * levers[i] / square) if square > _SHORT_LEVER**2 else _NO_FORCE
-
-
-def traction_forces(
-    total: float, unit_speeds: PerWheel, speeds: PerWheel, vehicle: VehicleParameters, steering: SteeringParameters
-) -> PerWheel:
-    """Share open-loop traction or brake among the wheels (thesis, 2.10 and 3.2.2).
-
-    Parameters
-    ----------
-    total
-        Sum of the traction forces [N]; negative: of the brake forces, each of which opposes its wheel's
-        motion.
-    unit_speeds
-        Wheel speeds per magnitude of the commanded motion.
-    speeds
-        Measured wheel speeds [m/s].
-    vehicle, steering
-        Mass; shares of the wheels.
-
-    Returns
-    -------
-    PerWheel
-        Forces along the wheels' headings [N].
-    """
-    shared = share_force(total, steering.drive_shares)
-    if total < 0.0:
-        return stopping_forces(shared, speeds, vehicle.mass)
-    signs = rolling_signs(unit_speeds)
-    return per_wheel(lambda i: shared[i] * signs[i])
-
-
-def clipped(forces: PerWheel, limit: float) -> PerWheel:
-    """Return forces that are all within a limit to either side [N]."""
-    return per_wheel(lambda i: min(max(forces[i], -limit), limit))
 
 
 class SpeedController:

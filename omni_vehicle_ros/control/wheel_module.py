@@ -18,6 +18,17 @@ class Setpoint(NamedTuple):
     torque: float
 
 
+class Trim(NamedTuple):
+    """What is added to a set-point: stamp [ns], steer angle [rad], drive torque [N m]."""
+
+    stamp: int
+    steer_angle: float
+    torque: float
+
+
+NO_TRIM = Trim(0, 0.0, 0.0)
+
+
 class ModuleState(NamedTuple):
     """What the actuators do over the coming cycle.
 
@@ -41,7 +52,8 @@ class WheelModule:
 
     Before its first command it is passive: it keeps the angle and gives no torque. A command older than
     ``module_timeout`` is stale: the module holds the angle that it has then and brakes its own wheel to rest.
-    A fresh command resumes at once. A trim that is too old is dropped. What is not finite is not taken.
+    A fresh command resumes at once. A trim that is too old is dropped, its angle and its torque. What is not
+    finite is not taken.
 
     Parameters
     ----------
@@ -61,9 +73,9 @@ class WheelModule:
         self._commands = CommandMonitor(parameters.module_timeout)
         self._trims = CommandMonitor(parameters.module_timeout)
         self._new_command: Setpoint | None = None
-        self._new_trim: tuple[int, float] | None = None
+        self._new_trim: Trim | None = None
         self._command = Setpoint(0, 0.0, 0.0, 0.0)
-        self._trim = 0.0
+        self._trim = NO_TRIM
         self._held_angle: float | None = None
         self._now: int | None = None
         self._refused: dict[str, str] = {}
@@ -75,10 +87,10 @@ class WheelModule:
         if self._finite('command', command.steer_angle, command.wheel_speed, command.torque):
             self._new_command = command
 
-    def trim(self, stamp: int, angle: float) -> None:
-        """Take a steering trim [rad] with its stamp [ns]; NaN or inf is refused and the last good one kept."""
-        if self._finite('steer_trim', angle):
-            self._new_trim = stamp, angle
+    def trim(self, trim: Trim) -> None:
+        """Take a trim; one with NaN or inf is refused and the last good one kept."""
+        if self._finite('trim', trim.steer_angle, trim.torque):
+            self._new_trim = trim
 
     def update(self, now: int, wheel_speed: float) -> ModuleState:
         """Act on the present cycle.
@@ -123,28 +135,29 @@ class WheelModule:
             self._command, self._new_command = self._new_command, None
             self._commands.received(self._command.stamp, now)
         if self._new_trim is not None:
-            (stamp, self._trim), self._new_trim = self._new_trim, None
-            self._trims.received(stamp, now)
+            self._trim, self._new_trim = self._new_trim, None
+            self._trims.received(self._trim.stamp, now)
 
     def _follow(self, now: int) -> tuple[float, float]:
         self._held_angle = None
-        wanted = self._command.steer_angle + self._fresh_trim(now)
-        if abs(wanted) > self._parameters.steer_limit:
+        trim = self._fresh_trim(now)
+        angle, torque = self._command.steer_angle + trim.steer_angle, self._command.torque + trim.torque
+        if abs(angle) > self._parameters.steer_limit:
             limit = self._parameters.steer_limit
             self._notes.append((WARN, f'steer angle and trim are beyond steer_limit, {limit:g} rad: clipped'))
-        if abs(self._command.torque) > self._parameters.drive_torque_limit:
+        if abs(torque) > self._parameters.drive_torque_limit:
             limit = self._parameters.drive_torque_limit
             self._notes.append((WARN, f'torque is beyond drive_torque_limit, {limit:g} N m: clipped'))
         if self._commands.warning:
             self._notes.append((WARN, f'command: {self._commands.warning}'))
-        return wanted, self._command.torque
+        return angle, torque
 
-    def _fresh_trim(self, now: int) -> float:
+    def _fresh_trim(self, now: int) -> Trim:
         state = self._trims.state(now)
         if state is Freshness.STALE:
             limit = self._parameters.module_timeout
-            self._notes.append((WARN, f'steer_trim is older than module_timeout, {limit:g} s: dropped'))
-        return self._trim if state is Freshness.FRESH else 0.0
+            self._notes.append((WARN, f'trim is older than module_timeout, {limit:g} s: dropped'))
+        return self._trim if state is Freshness.FRESH else NO_TRIM
 
     def _hold(self, now: int, wheel_speed: float) -> tuple[float, float]:
         if self._held_angle is None:

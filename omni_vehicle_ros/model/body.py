@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from omni_vehicle_ros.model.compiled import evaluate_kernel, packed_constants
+from omni_vehicle_ros.model.compiled import derivative_kernel, evaluate_kernel, packed_constants, packed_request
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs, evaluation, state_rate
 from omni_vehicle_ros.model.state import Vector, state_view
@@ -26,16 +26,14 @@ def evaluate(
     """
     if evaluate_kernel is None:
         return evaluation(state_view(state), inputs, environment, constants, constant_speed)
-    steer_angle, drive_force = inputs
-    bank, wind, friction = environment
-    request = np.array((*state.tolist(), *steer_angle, *drive_force, bank, wind, *friction), dtype=np.float64)
+    request = packed_request(state, inputs, environment)
     return evaluate_kernel(request, packed_constants(constants), constant_speed)
 
 
 def derivative(
     state: Vector, inputs: Inputs, environment: Environment, constants: Constants, constant_speed: bool = False
 ) -> Vector:
-    """Return the time derivative of the state, shape (10,) (thesis B.9, B.10); never compiled.
+    """Return the time derivative of the state, shape (10,) (thesis B.9, B.10).
 
     Parameters
     ----------
@@ -44,4 +42,7 @@ def derivative(
     constant_speed
         Hold vx and leave out the drive forces (thesis sec. 3.1) instead of integrating vx.
     """
-    return np.array(state_rate(state_view(state), inputs, environment, constants, constant_speed))
+    if derivative_kernel is None:
+        return np.array(state_rate(state_view(state), inputs, environment, constants, constant_speed))
+    request = packed_request(state, inputs, environment)
+    return derivative_kernel(request, packed_constants(constants), constant_speed)

@@ -6,10 +6,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from omni_vehicle_ros.parameters import VehicleParameters
+from omni_vehicle_ros.model.tyres import brush, dugoff, lugre, magic_formula
+from omni_vehicle_ros.parameters import TYRE_MODELS, VehicleParameters
 from omni_vehicle_ros.wheels import PerWheel
 
 Table = tuple[float, ...] | npt.NDArray[np.float64]  # an array in the compiled physics, whatever its length
+DUGOFF, BRUSH, MAGIC_FORMULA, LUGRE = range(len(TYRE_MODELS))
 HOLDING_TIME = 0.1  # s, in which a vehicle that hardly rolls any more comes to rest
 
 
@@ -19,9 +21,11 @@ class Constants(NamedTuple):
     The names of `VehicleParameters` keep their meaning. ``front_load`` and ``rear_load`` are the static loads
     of one wheel on a level road [N], ``front_transfer`` and ``rear_transfer`` the load that moves from the left
     to the right wheel of the axle per lateral acceleration [N s2/m], ``roll_per_acceleration`` the roll angle
-    per lateral acceleration [rad s2/m], ``low_speed_damping`` the time by which the rate of a tyre's
-    deflection counts beside the deflection itself at standstill [s], ``rolling_hold`` the rolling resistance of
-    one wheel per speed at standstill [N s/m].
+    per lateral acceleration [rad s2/m], ``tyre_model`` the place in `TYRE_MODELS`, ``sliding_share`` and
+    ``stribeck_speed`` those of the LuGre tyre, ``full_stretch`` the slip of a tyre that uses 7/8 of its grip,
+    in units of friction times load over cornering stiffness, ``low_speed_damping`` the time by which the rate
+    of a tyre's deflection counts beside the deflection itself at standstill [s], ``rolling_hold`` the rolling
+    resistance of one wheel per speed at standstill [N s/m].
     """
 
     mass: float
@@ -36,8 +40,15 @@ class Constants(NamedTuple):
     roll_per_acceleration: float
     front_roll_steer: float
     rear_roll_steer: float
+    tyre_model: int
     cornering_stiffness: float
+    longitudinal_stiffness: float
     adhesion_reduction: float
+    magic_shape: float
+    magic_curvature: float
+    sliding_share: float
+    stribeck_speed: float
+    full_stretch: float
     friction_circle: bool
     relaxation_length: float
     low_speed_damping: float
@@ -78,8 +89,15 @@ def constants(parameters: VehicleParameters) -> Constants:
         roll_per_acceleration=p.sprung_mass * p.roll_arm / _net_roll_stiffness(p),
         front_roll_steer=p.front_roll_steer,
         rear_roll_steer=p.rear_roll_steer,
+        tyre_model=TYRE_MODELS.index(p.tyre_model),
         cornering_stiffness=p.cornering_stiffness,
+        longitudinal_stiffness=p.longitudinal_stiffness,
         adhesion_reduction=p.adhesion_reduction,
+        magic_shape=p.magic_shape,
+        magic_curvature=p.magic_curvature,
+        sliding_share=p.lugre_sliding_share,
+        stribeck_speed=p.lugre_stribeck_speed,
+        full_stretch=_full_stretch(p),
         friction_circle=p.friction_circle,
         relaxation_length=p.relaxation_length,
         low_speed_damping=_critical_damping(p),
@@ -105,6 +123,13 @@ def _load_transfers(p: VehicleParameters) -> tuple[float, float]:
     front = front_stiffness * arm + p.cg_to_rear_axle / p.wheelbase * p.front_roll_centre_height
     rear = rear_stiffness * arm + p.cg_to_front_axle / p.wheelbase * p.rear_roll_centre_height
     return p.sprung_mass * front / p.front_track, p.sprung_mass * rear / p.rear_track
+
+
+def _full_stretch(p: VehicleParameters) -> float:
+    if p.tyre_model == 'magic_formula':
+        return magic_formula.full_stretch(p.magic_shape, p.magic_curvature)
+    stretches = {'dugoff': dugoff.FULL_STRETCH, 'brush': brush.FULL_STRETCH, 'lugre': lugre.FULL_STRETCH}
+    return stretches[p.tyre_model]
 
 
 def _critical_damping(p: VehicleParameters) -> float:

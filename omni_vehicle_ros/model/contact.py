@@ -1,4 +1,4 @@
-"""A tyre on the road at any speed: Dugoff's tyre above walking pace, a spring with a memory below.
+"""A tyre on the road at any speed: the law of the tyre above walking pace, a spring with a memory below.
 
 At standstill a slip angle means nothing, and just above it the tyre is stiffer than any step can follow. Below
 walking pace the slip is therefore taken from the tyre's lateral deflection z, which lags by the relaxation
@@ -15,11 +15,12 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.model.constants import Constants
-from omni_vehicle_ros.model.tyre import dugoff, grip, lateral_capacity, limited_drive_force, side_slip_angle
+from omni_vehicle_ros.model.tyres.force import side_force
+from omni_vehicle_ros.model.tyres.friction_circle import lateral_capacity, limited_drive_force
+from omni_vehicle_ros.model.tyres.slip import side_slip_angle
 
 WALKING_PACE = 1.2  # m/s, speed of the contact over ground
 CREEPING_PACE = 0.3  # m/s, below it the deflection alone counts
-FULL_STRETCH = 0.25  # Dugoff's lambda of a tyre that stretches no more: 7/8 of its grip
 LARGEST_SLIP, SMALLEST_SLIP = 1.0, 1e-4  # bounds of tan(alpha) at full stretch, for very soft or bare ground
 HOLDING_PACE = 0.02  # m/s, below it rolling is damped, so that nothing creeps away for ever
 FASTEST_RELAXATION = 200.0  # 1/s, slow enough for the longest step, 10 ms; reached far above walking pace
@@ -31,7 +32,7 @@ class Contact(NamedTuple):
 
     ``v_long``, ``v_lat``: velocity along and across the wheel [m/s]; ``deflection``: state of the tyre [m];
     ``drive_force``: demanded traction [N]; ``load``: vertical load without lateral transfer [N]; ``friction``:
-    coefficient of the road; ``cos_steer``, ``sin_steer``: of the steer angle.
+    coefficient of the road; ``cos_steer``, ``sin_steer``: of the steer angle; ``trim_share``: see the function.
     """
 
     v_long: float
@@ -42,6 +43,7 @@ class Contact(NamedTuple):
     friction: float
     cos_steer: float
     sin_steer: float
+    trim_share: float
 
 
 def low_speed_weight(speed: float) -> float:
@@ -76,9 +78,19 @@ def rolling_hold(v_long: float, speed: float, constants: Constants) -> float:
     return -constants.rolling_hold * share * share * v_long
 
 
-def largest_slip(contact: Contact, constants: Constants) -> float:
-    """Return tan(alpha) of the fully stretched tyre, by its load without lateral transfer."""
-    slip = contact.friction * contact.load / (2.0 * FULL_STRETCH * constants.cornering_stiffness)
+def largest_slip(contact: Contact, stiffness: float, constants: Constants) -> float:
+    """Return the slip of the fully stretched tyre, 7/8 of its grip, by its load without lateral transfer.
+
+    Parameters
+    ----------
+    contact
+        The wheel.
+    stiffness
+        Of the tyre in the direction of the slip [N].
+    constants
+        The vehicle.
+    """
+    slip = constants.full_stretch * contact.friction * contact.load / stiffness
     if slip > LARGEST_SLIP:
         return LARGEST_SLIP
     return slip if slip > SMALLEST_SLIP else SMALLEST_SLIP
@@ -88,6 +100,62 @@ def turned(contact: Contact, cos_roll: float, sin_roll: float) -> tuple[float, f
     """Return the velocity along and across the wheel as roll has turned it [m/s]."""
     along, across = contact.v_long, contact.v_lat
     return along * cos_roll + across * sin_roll, across * cos_roll - along * sin_roll
+
+
+def trim_share(slip_gain: float, speed: float) -> float:
+    """Return the share K / (1 + K) of its side slip that a controlled wheel steers away.
+
+    The gain fades out below walking pace, where a slip angle means little, as the slip by velocity itself does.
+
+    Parameters
+    ----------
+    slip_gain
+        Proportional gain K of the side-slip controller; below 0 it counts as 0.
+    speed
+        Speed of the contact over ground [m/s], >= 0.
+    """
+    gain = max(0.0, slip_gain) * (1.0 - low_speed_weight(speed))
+    return gain / (1.0 + gain)
+
+
+def trim(contact: Contact, cos_roll: float, sin_roll: float) -> float:
+    """Return the steer angle -K alpha by which a controlled wheel leaves its set-point [rad].
+
+    The slip of the set-point, delta0 + roll steer - theta, is folded into +-90 deg: it counts from the direction
+    in which the wheel would roll at its set-point, forward or backward. No trim turns a wheel past that.
+
+    Parameters
+    ----------
+    contact
+        The wheel at its set-point.
+    cos_roll, sin_roll
+        Of the angle by which roll turns the wheel.
+    """
+    if contact.trim_share == 0.0:
+        return 0.0
+    v_long, v_lat = turned(contact, cos_roll, sin_roll)
+    slip = math.atan2(-v_lat, v_long) if v_long >= 0.0 else math.atan2(v_lat, -v_long)
+    return -contact.trim_share * slip
+
+
+def trimmed(contact: Contact, cos_roll: float, sin_roll: float) -> Contact:
+    """Return the wheel at its real steer angle; parameters as in `trim`."""
+    if contact.trim_share == 0.0:
+        return contact
+    angle = trim(contact, cos_roll, sin_roll)
+    cos, sin = math.cos(angle), math.sin(angle)
+    v_long, v_lat = turned(contact, cos, sin)
+    return Contact(
+        v_long,
+        v_lat,
+        contact.deflection,
+        contact.drive_force,
+        contact.load,
+        contact.friction,
+        contact.cos_steer * cos - contact.sin_steer * sin,
+        contact.sin_steer * cos + contact.cos_steer * sin,
+        contact.trim_share,
+    )
 
 
 def deflection_rate(contact: Contact, v_long: float, v_lat: float, constants: Constants) -> float:
@@ -102,12 +170,27 @@ def deflection_rate(contact: Contact, v_long: float, v_lat: float, constants: Co
     constants
         The vehicle.
     """
-    rolling, dragging = abs(v_long), abs(v_lat) / largest_slip(contact, constants)
+    rolling, dragging = abs(v_long), abs(v_lat) / largest_slip(contact, constants.cornering_stiffness, constants)
     rate = (rolling if rolling > dragging else dragging) / constants.relaxation_length
+    return relaxing(-v_lat, rate, contact.deflection)
+
+
+def relaxing(velocity: float, rate: float, deflection: float) -> float:
+    """Return the rate of a deflection [m/s] that a velocity stretches and rolling or dragging lets go.
+
+    Parameters
+    ----------
+    velocity
+        Speed of the slip [m/s].
+    rate
+        At which the deflection relaxes [1/s], >= 0.
+    deflection
+        Of the tyre [m].
+    """
     if rate <= FASTEST_RELAXATION:
-        return -v_lat - rate * contact.deflection
+        return velocity - rate * deflection
     # The same steady deflection, approached no faster than the integrator can follow.
-    return -FASTEST_RELAXATION * (v_lat / rate + contact.deflection)
+    return FASTEST_RELAXATION * (velocity / rate - deflection)
 
 
 def deflection_slip(contact: Contact, v_long: float, v_lat: float, weight: float, constants: Constants) -> float:
@@ -120,7 +203,7 @@ def deflection_slip(contact: Contact, v_long: float, v_lat: float, weight: float
     weight
         From `low_speed_weight`; the damping fades out with it.
     """
-    limit, length = largest_slip(contact, constants), constants.relaxation_length
+    limit, length = largest_slip(contact, constants.cornering_stiffness, constants), constants.relaxation_length
     stretch = max(-limit, min(limit, contact.deflection / length))
     rate = deflection_rate(contact, v_long, v_lat, constants)
     return stretch + constants.low_speed_damping * weight * rate / length
@@ -142,7 +225,7 @@ def wheel_force(
     constants
         The vehicle; its ``friction_circle`` says whether traction costs side force (thesis eq. 4.1, 4.2).
     """
-    v_long, v_lat, _, traction, _, friction, _, _ = contact
+    v_long, v_lat, _, traction, _, friction, _, _, _ = contact
     if sin_roll != 0.0:
         v_long, v_lat = v_long * cos_roll + v_lat * sin_roll, v_lat * cos_roll - v_long * sin_roll
     capacity = friction * load
@@ -153,15 +236,13 @@ def wheel_force(
         traction = limited_drive_force(traction, capacity)
         if constants.friction_circle:
             capacity = lateral_capacity(capacity, traction)
-    available = grip(capacity, v_lat, constants.adhesion_reduction)
-    stiffness = constants.cornering_stiffness
     if square >= WALKING_PACE_SQUARED:
-        return traction, dugoff(-v_lat, abs(v_long), available, stiffness)
+        return traction, side_force(-v_lat, abs(v_long), v_lat, capacity, constants)
     weight = low_speed_weight(math.sqrt(square))
     slip = deflection_slip(contact, v_long, v_lat, weight, constants)
-    lateral = weight * dugoff(slip, 1.0, available, stiffness)
+    lateral = weight * side_force(slip, 1.0, v_lat, capacity, constants)
     if weight < 1.0:
-        lateral += (1.0 - weight) * dugoff(-v_lat, abs(v_long), available, stiffness)
+        lateral += (1.0 - weight) * side_force(-v_lat, abs(v_long), v_lat, capacity, constants)
     return traction, lateral
 
 

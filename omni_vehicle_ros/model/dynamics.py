@@ -10,16 +10,24 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.model.constants import Constants
-from omni_vehicle_ros.model.contact import Contact, deflection_rate, side_slip, turned, wheel_force
+from omni_vehicle_ros.model.contact import (
+    Contact,
+    deflection_rate,
+    side_slip,
+    trim,
+    trim_share,
+    trimmed,
+    turned,
+    wheel_force,
+)
 from omni_vehicle_ros.model.disturbances import bank_force, wind_force, wind_moment
 from omni_vehicle_ros.model.loads import lifted, roll_angle, static_loads, vertical_loads
+from omni_vehicle_ros.model.loop import solve_loop
 from omni_vehicle_ros.model.state import State
 from omni_vehicle_ros.wheels import PerWheel
 
-LOOP_TOLERANCE = 1e-11  # of 1 m/s2 plus the acceleration
-LOOP_STEPS = 12
-BISECTIONS = 64
 NO_DRIVE: PerWheel = (0.0, 0.0, 0.0, 0.0)
+NO_GAIN: PerWheel = (0.0, 0.0, 0.0, 0.0)
 
 Contacts = tuple[Contact, Contact, Contact, Contact]
 Pair = tuple[float, float]
@@ -27,10 +35,17 @@ WheelForces = tuple[Pair, Pair, Pair, Pair]  # longitudinal, lateral
 
 
 class Inputs(NamedTuple):
-    """What the wheel modules do: steer angles [rad] and drive forces along the wheels [N], fl, fr, rl, rr."""
+    """What the wheel modules do: steer angles [rad] and drive forces along the wheels [N], fl, fr, rl, rr.
+
+    With a ``slip_gain`` K > 0 the steer angle is the set-point delta0 of a wheel that a proportional controller
+    steers to zero side slip without any lag, at every instant: delta = delta0 - K alpha, which is solved by
+    alpha = (delta0 + roll steer - theta) / (1 + K), theta the direction of the wheel's velocity (thesis ch. 5).
+    The gain fades out below walking pace; see `contact.trim_share`.
+    """
 
     steer_angle: PerWheel
     drive_force: PerWheel = NO_DRIVE
+    slip_gain: PerWheel = NO_GAIN
 
 
 class Environment(NamedTuple):
@@ -47,12 +62,14 @@ class Environment(NamedTuple):
 class Evaluation(NamedTuple):
     """Everything that follows from a state at one instant; fl, fr, rl, rr where per wheel.
 
-    ``side_slip`` [rad], roll steer included; ``longitudinal_force`` and ``lateral_force`` in the wheel frame and
-    ``vertical_load`` [N]; ``friction_use``: size of both forces over friction times load, 0 for a wheel in the
-    air; ``lifted``; ``roll_angle`` [rad], positive to the right; ``ax``, ``ay``: tyre forces over mass, what an
-    accelerometer at the centre of gravity feels [m/s2].
+    ``steer_angle``: the real ones [rad], the set-points less slip gain times slip; ``side_slip`` [rad], roll
+    steer included; ``longitudinal_force`` and ``lateral_force`` in the wheel frame and ``vertical_load`` [N];
+    ``friction_use``: size of both forces over friction times load, 0 for a wheel in the air; ``lifted``;
+    ``roll_angle`` [rad], positive to the right; ``ax``, ``ay``: tyre forces over mass, what an accelerometer at
+    the centre of gravity feels [m/s2].
     """
 
+    steer_angle: PerWheel
     side_slip: PerWheel
     longitudinal_force: PerWheel
     lateral_force: PerWheel
@@ -68,13 +85,16 @@ def evaluation(
     state: State, inputs: Inputs, environment: Environment, constants: Constants, constant_speed: bool
 ) -> Evaluation:
     """Return slips, forces and loads at one instant; see `body.evaluate`."""
-    contacts = _contacts(state, inputs, environment, constants, constant_speed)
-    ay, forces = solve_loop(contacts, constants)
-    fl, fr, rl, rr = contacts
+    contacts = wheel_contacts(state, inputs, environment, constants, constant_speed)
+    ay, forces = solve(contacts, constants)
     force_fl, force_fr, force_rl, force_rr = forces
+    angle, trims = inputs.steer_angle, _trims(contacts, ay, constants)
+    contacts = _trimmed(contacts, ay, constants)
+    fl, fr, rl, rr = contacts
     loads = vertical_loads(ay, fl.load, rl.load, constants)
     cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
     return Evaluation(
+        steer_angle=(angle[0] + trims[0], angle[1] + trims[1], angle[2] + trims[2], angle[3] + trims[3]),
         side_slip=(
             side_slip(fl, cos_front, sin_front, constants),
             side_slip(fr, cos_front, sin_front, constants),
@@ -85,14 +105,14 @@ def evaluation(
         lateral_force=(force_fl[1], force_fr[1], force_rl[1], force_rr[1]),
         vertical_load=loads,
         friction_use=(
-            _friction_use(fl, force_fl, loads[0]),
-            _friction_use(fr, force_fr, loads[1]),
-            _friction_use(rl, force_rl, loads[2]),
-            _friction_use(rr, force_rr, loads[3]),
+            use_of_friction(fl, force_fl, loads[0]),
+            use_of_friction(fr, force_fr, loads[1]),
+            use_of_friction(rl, force_rl, loads[2]),
+            use_of_friction(rr, force_rr, loads[3]),
         ),
         lifted=lifted(loads, constants),
         roll_angle=roll_angle(ay, constants),
-        ax=_body_force_and_moment(contacts, forces, constants)[0] / constants.mass,
+        ax=body_force_and_moment(contacts, forces, constants)[0] / constants.mass,
         ay=ay,
     )
 
@@ -101,10 +121,11 @@ def state_rate(
     state: State, inputs: Inputs, environment: Environment, constants: Constants, constant_speed: bool
 ) -> State:
     """Return the time derivative of every entry of the state (thesis B.9, B.10); see `body.derivative`."""
-    contacts = _contacts(state, inputs, environment, constants, constant_speed)
-    ay, forces = solve_loop(contacts, constants)
+    contacts = wheel_contacts(state, inputs, environment, constants, constant_speed)
+    ay, forces = solve(contacts, constants)
+    contacts = _trimmed(contacts, ay, constants)
     fl, fr, rl, rr = contacts
-    force_x, moment = _body_force_and_moment(contacts, forces, constants)
+    force_x, moment = body_force_and_moment(contacts, forces, constants)
     wind = wind_force(environment.wind, state.vx, constants)
     side_force = bank_force(environment.bank, constants) + wind
     cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
@@ -128,50 +149,17 @@ def _stretching(contact: Contact, cos_roll: float, sin_roll: float, constants: C
     return deflection_rate(contact, v_long, v_lat, constants)
 
 
-def solve_loop(contacts: Contacts, constants: Constants) -> tuple[float, WheelForces]:
-    """Return the lateral acceleration [m/s2] that its own loads and roll steer cause, and the tyre forces.
-
-    Inverse quadratic interpolation from 0, where the loads are static; if it fails, bisection between the
-    largest accelerations that friction allows. The start never depends on the past, so that the result is a
-    function of the contacts.
+def solve(contacts: Contacts, constants: Constants) -> tuple[float, WheelForces]:
+    """Return the lateral acceleration [m/s2] that its own loads, roll steer and trims cause, and the forces.
 
     Parameters
     ----------
     contacts
-        The wheels.
+        The wheels at their set-points.
     constants
         The vehicle.
     """
-    limit = _largest_acceleration(contacts, constants)
-    guess = slope = last = gap_last = gap_before_last = 0.0
-    for number in range(LOOP_STEPS):
-        reached, forces = _response(guess, contacts, constants)
-        gap = reached - guess
-        if abs(gap) <= LOOP_TOLERANCE * (1.0 + abs(guess)):
-            return reached, forces
-        if number == 0:
-            step = gap
-        elif gap in (gap_last, gap_before_last):
-            break
-        else:
-            # Newton's form of the inverse interpolation through the last points, taken at gap 0.
-            slope_last, slope = slope, (guess - last) / (gap - gap_last)
-            bend = (slope - slope_last) / (gap - gap_before_last) if number > 1 else 0.0
-            step = gap * (gap_last * bend - slope)
-        gap_before_last, gap_last, last = gap_last, gap, guess
-        guess = max(-limit, min(limit, guess + step))
-    return _bisect(limit, contacts, constants)
-
-
-def _bisect(limit: float, contacts: Contacts, constants: Constants) -> tuple[float, WheelForces]:
-    low, high = -limit, limit
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        if _response(middle, contacts, constants)[0] > middle:
-            low = middle
-        else:
-            high = middle
-    return _response(0.5 * (low + high), contacts, constants)
+    return solve_loop(_response, _largest_acceleration(contacts, constants), contacts, constants)
 
 
 def _largest_acceleration(contacts: Contacts, constants: Constants) -> float:
@@ -182,19 +170,45 @@ def _largest_acceleration(contacts: Contacts, constants: Constants) -> float:
 
 
 def _response(ay: float, contacts: Contacts, constants: Constants) -> tuple[float, WheelForces]:
-    """Return the lateral acceleration and the forces of tyres loaded and roll-steered as by ``ay``."""
-    fl, fr, rl, rr = contacts
+    """Return the lateral acceleration and the forces of tyres loaded, roll-steered and trimmed as by ``ay``."""
+    fl, fr, rl, rr = _trimmed(contacts, ay, constants)
     cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
     load_fl, load_fr, load_rl, load_rr = vertical_loads(ay, fl.load, rl.load, constants)
     force_fl = wheel_force(fl, cos_front, sin_front, load_fl, constants)
     force_fr = wheel_force(fr, cos_front, sin_front, load_fr, constants)
     force_rl = wheel_force(rl, cos_rear, sin_rear, load_rl, constants)
     force_rr = wheel_force(rr, cos_rear, sin_rear, load_rr, constants)
-    total = _leftward(fl, force_fl) + _leftward(fr, force_fr) + _leftward(rl, force_rl) + _leftward(rr, force_rr)
+    total = leftward(fl, force_fl) + leftward(fr, force_fr) + leftward(rl, force_rl) + leftward(rr, force_rr)
     return total / constants.mass, (force_fl, force_fr, force_rl, force_rr)
 
 
-def _leftward(contact: Contact, force: Pair) -> float:
+def _trims(contacts: Contacts, ay: float, constants: Constants) -> PerWheel:
+    fl, fr, rl, rr = contacts
+    cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
+    return (
+        trim(fl, cos_front, sin_front),
+        trim(fr, cos_front, sin_front),
+        trim(rl, cos_rear, sin_rear),
+        trim(rr, cos_rear, sin_rear),
+    )
+
+
+def _trimmed(contacts: Contacts, ay: float, constants: Constants) -> Contacts:
+    """Return the wheels at their real steer angles."""
+    fl, fr, rl, rr = contacts
+    if fl.trim_share == fr.trim_share == rl.trim_share == rr.trim_share == 0.0:
+        return contacts
+    cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
+    return (
+        trimmed(fl, cos_front, sin_front),
+        trimmed(fr, cos_front, sin_front),
+        trimmed(rl, cos_rear, sin_rear),
+        trimmed(rr, cos_rear, sin_rear),
+    )
+
+
+def leftward(contact: Contact, force: Pair) -> float:
+    """Return the component to the left of the body [N] of a force along and across the wheel [N]."""
     return force[0] * contact.sin_steer + force[1] * contact.cos_steer
 
 
@@ -205,17 +219,18 @@ def _roll_steer(ay: float, constants: Constants) -> tuple[float, float, float, f
     return math.cos(front), math.sin(front), math.cos(rear), math.sin(rear)
 
 
-def _contacts(
+def wheel_contacts(
     state: State, inputs: Inputs, environment: Environment, constants: Constants, constant_speed: bool
 ) -> Contacts:
+    """Return the wheels at their set-points; parameters as in `evaluation`."""
     loads = static_loads(constants, environment.bank)
     drive = NO_DRIVE if constant_speed else inputs.drive_force
-    angle, friction = inputs.steer_angle, environment.friction
+    angle, gain, friction = inputs.steer_angle, inputs.slip_gain, environment.friction
     return (
-        _contact(state, 0, state.front_left, angle[0], drive[0], loads[0], friction[0], constants),
-        _contact(state, 1, state.front_right, angle[1], drive[1], loads[1], friction[1], constants),
-        _contact(state, 2, state.rear_left, angle[2], drive[2], loads[2], friction[2], constants),
-        _contact(state, 3, state.rear_right, angle[3], drive[3], loads[3], friction[3], constants),
+        _contact(state, 0, state.front_left, angle[0], drive[0], gain[0], loads[0], friction[0], constants),
+        _contact(state, 1, state.front_right, angle[1], drive[1], gain[1], loads[1], friction[1], constants),
+        _contact(state, 2, state.rear_left, angle[2], drive[2], gain[2], loads[2], friction[2], constants),
+        _contact(state, 3, state.rear_right, angle[3], drive[3], gain[3], loads[3], friction[3], constants),
     )
 
 
@@ -225,6 +240,7 @@ def _contact(
     deflection: float,
     steer_angle: float,
     drive_force: float,
+    slip_gain: float,
     load: float,
     friction: float,
     constants: Constants,
@@ -233,20 +249,32 @@ def _contact(
     along = state.vx - constants.wheel_y[wheel] * state.r
     across = state.vy + constants.wheel_x[wheel] * state.r
     v_long, v_lat = along * cos + across * sin, across * cos - along * sin
-    return Contact(v_long, v_lat, deflection, drive_force, load, max(0.0, friction), cos, sin)
+    share = trim_share(slip_gain, math.hypot(along, across)) if slip_gain > 0.0 else 0.0
+    return Contact(v_long, v_lat, deflection, drive_force, load, max(0.0, friction), cos, sin, share)
 
 
-def _body_force_and_moment(contacts: Contacts, forces: WheelForces, constants: Constants) -> Pair:
-    """Return the forward force [N] and the yaw moment [N m] of all tyres."""
+def body_force_and_moment(contacts: Contacts, forces: WheelForces, constants: Constants) -> Pair:
+    """Return the forward force [N] and the yaw moment [N m] of all tyres.
+
+    Parameters
+    ----------
+    contacts
+        The wheels at their real steer angles.
+    forces
+        Along and across each wheel [N].
+    constants
+        The vehicle.
+    """
     forward = moment = 0.0
     for wheel in range(4):
         contact, force = contacts[wheel], forces[wheel]
         force_x = force[0] * contact.cos_steer - force[1] * contact.sin_steer
         forward += force_x
-        moment += constants.wheel_x[wheel] * _leftward(contact, force) - constants.wheel_y[wheel] * force_x
+        moment += constants.wheel_x[wheel] * leftward(contact, force) - constants.wheel_y[wheel] * force_x
     return forward, moment
 
 
-def _friction_use(contact: Contact, force: Pair, load: float) -> float:
+def use_of_friction(contact: Contact, force: Pair, load: float) -> float:
+    """Return the size of a force in the road plane over friction times load [N]; 0 for a wheel in the air."""
     capacity = contact.friction * load
     return math.hypot(force[0], force[1]) / capacity if capacity > 0.0 else 0.0

@@ -26,7 +26,7 @@ def integrate(
     state
         State at the start.
     inputs, steer_rate
-        Steer angles [rad] and drive forces [N] at the start, and the rates of the angles, held [rad/s].
+        Steer angles [rad], drive forces [N] and slip gains at the start, and the held rates of the angles [rad/s].
     environment, constants
         What acts on the vehicle, and the vehicle.
     steps, size
@@ -37,9 +37,9 @@ def integrate(
     half = 0.5 * size
     for number in range(steps):
         time, state = number * size, bounded(state)
-        start = _turned(inputs, steer_rate, time)
-        middle = _turned(inputs, steer_rate, time + half)
-        end = _turned(inputs, steer_rate, time + size)
+        start = steered(inputs, steer_rate, time)
+        middle = steered(inputs, steer_rate, time + half)
+        end = steered(inputs, steer_rate, time + size)
         k1 = state_rate(state, start, environment, constants, constant_speed)
         k2 = state_rate(_moved(state, k1, half), middle, environment, constants, constant_speed)
         k3 = state_rate(_moved(state, k2, half), middle, environment, constants, constant_speed)
@@ -48,10 +48,11 @@ def integrate(
     return bounded(state)
 
 
-def _turned(inputs: Inputs, rate: PerWheel, time: float) -> Inputs:
+def steered(inputs: Inputs, rate: PerWheel, time: float) -> Inputs:
+    """Return the inputs ``time`` [s] later, at steer rates that are held [rad/s]."""
     fl, fr, rl, rr = inputs.steer_angle
     angles = fl + time * rate[0], fr + time * rate[1], rl + time * rate[2], rr + time * rate[3]
-    return Inputs(angles, inputs.drive_force)
+    return Inputs(angles, inputs.drive_force, inputs.slip_gain)
 
 
 def _moved(state: State, rate: State, time: float) -> State:

@@ -39,7 +39,19 @@ def vertical_loads(acceleration: float, front: float, rear: float, constants: Co
     constants
         The vehicle; load transfer as in thesis eq. 2.6 and 2.7, in SI.
     """
-    front_shift, rear_shift = constants.front_transfer * acceleration, constants.rear_transfer * acceleration
+    return shifted_loads(constants.front_transfer * acceleration, constants.rear_transfer * acceleration, front, rear)
+
+
+def shifted_loads(front_shift: float, rear_shift: float, front: float, rear: float) -> PerWheel:
+    """Return the wheel loads [N], none below 0, after some load has moved from the left to the right wheels.
+
+    Parameters
+    ----------
+    front_shift, rear_shift
+        Load that moves on the front and on the rear axle [N].
+    front, rear
+        Static load of one front and of one rear wheel [N]; see `static_loads`.
+    """
     if abs(front_shift) > front:
         front_shift = math.copysign(front, front_shift)
     if abs(rear_shift) > rear:

@@ -1,10 +1,8 @@
 """The vehicle over one control cycle: the actuators move as told, everything else holds."""
 
-import numpy as np
-
-from omni_vehicle_ros.model.compiled import advance_kernel, packed_constants
+from omni_vehicle_ros.model.compiled import advance_kernel, packed_constants, packed_request
 from omni_vehicle_ros.model.constants import Constants
-from omni_vehicle_ros.model.dynamics import Environment, Inputs
+from omni_vehicle_ros.model.dynamics import NO_GAIN, Environment, Inputs
 from omni_vehicle_ros.model.integrate import integrate
 from omni_vehicle_ros.model.state import Vector, state_vector, state_view
 from omni_vehicle_ros.wheels import PerWheel
@@ -20,6 +18,7 @@ def advance(
     duration: float,
     step: float,
     constant_speed: bool = False,
+    slip_gain: PerWheel = NO_GAIN,
 ) -> Vector:
     """Return the state after one control cycle.
 
@@ -39,6 +38,9 @@ def advance(
         Integration step [s]; the nearest that divides the cycle without rest is taken.
     constant_speed
         Hold vx (2 degrees of freedom); drive forces are left out.
+    slip_gain
+        Proportional gains by which the wheels are steered to zero side slip without any lag, `steer_angle` being
+        their set-points then; see `Inputs`.
 
     Returns
     -------
@@ -47,13 +49,11 @@ def advance(
     """
     steps = max(1, round(duration / step))
     size = float(duration) / steps
+    inputs = Inputs(steer_angle, drive_force, slip_gain)
     if advance_kernel is None:
-        inputs, now = Inputs(steer_angle, drive_force), state_view(state)
+        now = state_view(state)
         return state_vector(
             integrate(now, inputs, steer_rate, environment, constants, steps, size, constant_speed)
         )
-    bank, wind, friction = environment
-    request = np.array(
-        (*state.tolist(), *steer_angle, *drive_force, bank, wind, *friction, *steer_rate), dtype=np.float64
-    )
+    request = packed_request(state, inputs, environment, steer_rate)
     return advance_kernel(request, packed_constants(constants), steps, size, constant_speed)

@@ -37,7 +37,7 @@ class PlantNode(Shell):
         vehicle, plant = declare(self, VehicleParameters), declare(self, PlantParameters)
         self._plant = Plant(vehicle, plant, name=self.full_name, publish_clock=self.pacing.publish_clock)
         # Where nothing is compiled yet, the others wait for it now, and not in their first cycle.
-        warm()
+        warm(vehicle)
         self._tick = plant.control_period / self.pacing.realtime_factor
         self._state_timeout = round(plant.state_timeout * 1e9)
         self._states = dict.fromkeys(self._plant.sources, -self._state_timeout - 1)

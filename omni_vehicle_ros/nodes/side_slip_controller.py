@@ -1,6 +1,7 @@
 """Node ``side_slip_controller``."""
 
 import sys
+from dataclasses import replace
 
 from rclpy.context import Context
 
@@ -9,16 +10,23 @@ from omni_vehicle_ros.components.side_slip_controller import SideSlipController
 from omni_vehicle_ros.nodes.declare import declare, on_change
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
-from omni_vehicle_ros.parameters import SideSlipParameters
+from omni_vehicle_ros.parameters import SideSlipParameters, VehicleParameters
+
+FIXED = ('controller', 'allocation_traction')
+"""Parameters that select the law; its gains and limits may change while it runs."""
 
 
 class SideSlipControllerNode(Shell):
-    """Side slip of the tyres in, steering trims out."""
+    """What the vehicle does and should do in, trims of steering and drive out."""
 
     def __init__(self, context: Context, namespace: str | None = None) -> None:
         super().__init__(interface.SIDE_SLIP_CONTROLLER, context=context, namespace=namespace)
-        parameters = declare(self, SideSlipParameters, changeable=True)
-        component = SideSlipController(parameters, name=self.full_name)
+        vehicle = declare(self, VehicleParameters)
+        parameters = declare(self, SideSlipParameters, only=FIXED)
+        names = tuple(name for name in parameters.as_dict() if name not in FIXED)
+        live = declare(self, SideSlipParameters, only=names, changeable=True)
+        parameters = replace(live, **{name: getattr(parameters, name) for name in FIXED})
+        component = SideSlipController(parameters, vehicle, name=self.full_name)
         on_change(self, parameters, component.configure)
         self.attach(component)
 

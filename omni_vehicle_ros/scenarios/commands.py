@@ -1,25 +1,23 @@
-"""What a scenario says over time: commands of the driver, and changes of the environment."""
+"""What the driver of a scenario says over time."""
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from omni_vehicle_ros.errors import ParameterError, ScenarioError
-from omni_vehicle_ros.parameters import PlantParameters, check_value, did_you_mean
-from omni_vehicle_ros.wheels import PerWheel
+from omni_vehicle_ros.errors import ScenarioError
+from omni_vehicle_ros.scenarios.reading import read_mapping, read_number, read_numbers
 
 STRAIGHT = 'straight'
 _FORMS = (
     frozenset({'icr', 'speed'}),
     frozenset({'icr', 'traction'}),
     frozenset({'icr', 'traction', 'yaw_moment'}),
+    frozenset({'icr', 'wheel_traction'}),
+    frozenset({'icr', 'wheel_traction', 'yaw_moment'}),
     frozenset({'cmd_vel'}),
     frozenset({'silent'}),
 )
-_FORMS_TEXT = 'icr and speed; icr and traction (and yaw_moment); cmd_vel; or silent: true'
-_ENVIRONMENT = ('at', 'bank', 'wind', 'friction')
-_PLANT = {entry.name: entry for entry in fields(PlantParameters)}
+_FORMS_TEXT = 'icr and speed; icr and traction or wheel_traction (and yaw_moment); cmd_vel; or silent: true'
 
 
 @dataclass(frozen=True)
@@ -63,40 +61,16 @@ class Command:
         return {'at': self.at, 'icr': icr, 'traction': self.traction, 'yaw_moment': self.yaw_moment}
 
 
-@dataclass(frozen=True)
-class EnvironmentChange:
-    """What changes around the vehicle at a time; None stays as it was.
+def read_command(tree: Any, driven_wheels: int = 4) -> Command:
+    """Make a command from its mapping in a scenario file, or raise ScenarioError.
 
-    Attributes
+    Parameters
     ----------
-    at
-        When [s].
-    bank
-        Bank angle of the road [rad]; positive pushes the vehicle to its left.
-    wind
-        Lateral wind [m/s]; positive blows to the left of the vehicle.
-    friction
-        Friction coefficient under each wheel.
+    tree
+        As in the file; ``wheel_traction``, the force of each driven wheel [N], may stand for their sum, traction.
+    driven_wheels
+        How many wheels drive.
     """
-
-    at: float
-    bank: float | None = None
-    wind: float | None = None
-    friction: PerWheel | None = None
-
-    def to_mapping(self) -> dict[str, Any]:
-        """Return the mapping that stands for it in a scenario file."""
-        tree: dict[str, Any] = {'at': self.at}
-        for name in ('bank', 'wind'):
-            if getattr(self, name) is not None:
-                tree[name] = getattr(self, name)
-        if self.friction is not None:
-            tree['friction'] = list(self.friction)
-        return tree
-
-
-def read_command(tree: Any) -> Command:
-    """Make a command from its mapping in a scenario file, or raise ScenarioError."""
     entries = read_mapping(tree)
     at = read_number('at', entries.pop('at', None), low=0.0)
     form = frozenset(entries)
@@ -109,6 +83,8 @@ def read_command(tree: Any) -> Command:
     if 'cmd_vel' in entries:
         vx, vy, yaw_rate = read_numbers('cmd_vel', entries['cmd_vel'], 3)
         return Command(at, cmd_vel=(vx, vy, yaw_rate))
+    if 'wheel_traction' in entries:
+        entries['traction'] = driven_wheels * read_number('wheel_traction', entries['wheel_traction'])
     return Command(
         at,
         icr=_read_icr(entries['icr']),
@@ -131,67 +107,7 @@ def _read_icr(value: Any) -> tuple[float, float] | str:
     return x, y
 
 
-def read_change(tree: Any) -> EnvironmentChange:
-    """Make a change of the environment from its mapping in a scenario file, or raise ScenarioError."""
-    entries = read_mapping(tree)
-    for name in entries:
-        if name not in _ENVIRONMENT:
-            raise ScenarioError(f'unknown key {name!r}{did_you_mean(name, _ENVIRONMENT)}')
-    at = read_number('at', entries.pop('at', None), low=0.0)
-    if not entries:
-        raise ScenarioError('nothing beside at; allowed: bank, wind, friction')
-    if 'friction' in entries and not isinstance(entries['friction'], list):
-        entries['friction'] = [entries['friction']] * 4
-    try:
-        return EnvironmentChange(at, **{name: check_value(_PLANT[name], value) for name, value in entries.items()})
-    except ParameterError as error:
-        raise ScenarioError(str(error)) from None
-
-
-def read_timeline(name: str, tree: Any, read: Callable[[Any], Any]) -> tuple[Any, ...]:
-    """Make the entries of ``commands`` or ``environment``, which must rise in time.
-
-    What begins after the end of the scenario is kept and never happens: a run may be cut short.
-
-    Raises
-    ------
-    ScenarioError
-        Names the entry as ``name[i]``.
-    """
-    if not isinstance(tree, list):
-        raise ScenarioError(f'{name}: {tree!r} must be a list')
-    entries: list[Any] = []
-    for number, item in enumerate(tree):
-        try:
-            entry = read(item)
-            if entries and entry.at <= entries[-1].at:
-                raise ScenarioError(f'at: {entry.at:g} s must be later than the entry before, {entries[-1].at:g} s')
-        except ScenarioError as error:
-            raise ScenarioError(f'{name}[{number}]: {error}') from None
-        entries.append(entry)
-    return tuple(entries)
-
-
-def read_mapping(value: Any) -> dict[str, Any]:
-    """Return a copy of a mapping, or raise ScenarioError."""
-    if not isinstance(value, Mapping):
-        raise ScenarioError(f'{value!r} must be a mapping (key: value)')
-    return dict(value)
-
-
-def read_number(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
-    """Return a finite number within limits as float, or raise ScenarioError."""
-    if value is None:
-        raise ScenarioError(f'{name} is missing')
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ScenarioError(f'{name}: {value!r} must be a number')
-    if not math.isfinite(value) or not low <= value <= high:
-        raise ScenarioError(f'{name}: {value!r} is outside {low:g} .. {high:g}')
-    return float(value)
-
-
-def read_numbers(name: str, value: Any, count: int) -> Sequence[float]:
-    """Return a list of ``count`` finite numbers, or raise ScenarioError."""
-    if not isinstance(value, list) or len(value) != count:
-        raise ScenarioError(f'{name}: {value!r} must be a list of {count} numbers')
-    return [read_number(f'{name}[{number}]', item) for number, item in enumerate(value)]
+def follow_command(command: Command, before: Sequence[Command]) -> None:
+    """Check that a command is later than the one before it, or raise ScenarioError."""
+    if before and command.at <= before[-1].at:
+        raise ScenarioError(f'at: {command.at:g} s must be later than the entry before, {before[-1].at:g} s')

@@ -40,31 +40,41 @@ def scenario_directory() -> Path:
 
 
 def scenario_names() -> tuple[str, ...]:
-    """Return the names of the scenarios that belong to the package, sorted."""
-    return tuple(sorted(path.stem for path in scenario_directory().iterdir() if path.suffix in _SUFFIXES))
+    """Return the names of the scenarios that belong to the package, folder by folder.
+
+    A scenario in a sub-folder has the folder in its name, such as ``thesis/bank``.
+    """
+    return tuple(_files())
 
 
-def find_scenario(name_or_path: str) -> Path:
-    """Return the file of a scenario.
+def _files() -> dict[str, Path]:
+    """Return the files of the package's scenarios by name, those outside of any sub-folder first."""
+    root = scenario_directory()
+    found = {path.relative_to(root).with_suffix(''): path for path in root.rglob('*') if path.suffix in _SUFFIXES}
+    ordered = sorted(found, key=lambda name: (name.parent.parts, name.name))
+    return {name.as_posix(): found[name] for name in ordered}
+
+
+def find_scenario(name_or_path: str) -> tuple[str, Path]:
+    """Return the name and the file of a scenario.
 
     Parameters
     ----------
     name_or_path
-        A name from `scenario_names`, or the path of a YAML file: with a folder or one of the suffixes
-        .yaml and .yml.
+        A name from `scenario_names`, or else the path of a YAML file; the name is then that of the file.
 
     Raises
     ------
     ScenarioError
         There is no such scenario or file.
     """
-    path = Path(name_or_path)
-    if path.suffix in _SUFFIXES or len(path.parts) > 1:
-        if not path.is_file():
-            raise ScenarioError(f'{name_or_path}: no such file')
-        return path
-    files = {file.stem: file for file in scenario_directory().iterdir() if file.suffix in _SUFFIXES}
-    if name_or_path not in files:
-        allowed = did_you_mean(name_or_path, sorted(files))
-        raise ScenarioError(f'unknown scenario {name_or_path!r}{allowed}; or give the path of a YAML file')
-    return files[name_or_path]
+    files, path = _files(), Path(name_or_path)
+    if name_or_path in files:
+        return name_or_path, files[name_or_path]
+    if path.is_file():
+        return path.stem, path
+    if path.suffix in _SUFFIXES or path.exists():
+        raise ScenarioError(f'{name_or_path}: no such file')
+    folders = [name for name in files if name.endswith(f'/{path.name}')]
+    allowed = f'; did you mean {folders[0]!r}?' if folders else did_you_mean(name_or_path, files)
+    raise ScenarioError(f'unknown scenario {name_or_path!r}{allowed}; or give the path of a YAML file')

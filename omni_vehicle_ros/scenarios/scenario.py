@@ -1,12 +1,15 @@
 """A scenario: commands, environment and vehicle of one run, read from a YAML file.
 
 A file is a mapping with the keys of `Scenario`; only ``duration`` must be there. ``values`` names what
-``--set name=value`` overrides: wherever the word ``$name`` stands alone, that value is meant.
+``--set name=value`` overrides: wherever the word ``$name`` stands alone, that value is meant, and where
+``-$name`` does, its opposite. ``vary`` says which values of which names a study of the scenario goes through; a
+plain run knows nothing of it.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, TypeVar
 
 from omni_vehicle_ros.errors import ParameterError, ScenarioError
@@ -20,21 +23,19 @@ from omni_vehicle_ros.parameters import (
     did_you_mean,
 )
 from omni_vehicle_ros.scenarios import yaml_text
-from omni_vehicle_ros.scenarios.commands import (
-    Command,
+from omni_vehicle_ros.scenarios.commands import Command, follow_command, read_command
+from omni_vehicle_ros.scenarios.environment import (
     EnvironmentChange,
-    read_change,
-    read_command,
-    read_mapping,
-    read_number,
-    read_timeline,
+    EnvironmentProfile,
+    follow_environment,
+    read_environment,
 )
-from omni_vehicle_ros.scenarios.library import find_scenario
+from omni_vehicle_ros.scenarios.reading import read_mapping, read_number, read_timeline
+from omni_vehicle_ros.scenarios.settings import PLAIN, SECTIONS, Setting, apply_setting, fill_in
 
-SECTIONS = ('vehicle', 'steering', 'wheel_module', 'side_slip', 'plant')
-_PLAIN = ('duration', 'side_slip_control', 'command_period')
-_KEYS = ('name', 'description', 'values', *_PLAIN, *SECTIONS, 'commands', 'environment')
+_KEYS = ('name', 'description', 'values', 'vary', *PLAIN, *SECTIONS, 'commands', 'environment')
 _LONGEST = 1e5
+_TOLERANCE = 1e-9  # of a time [s]
 
 P = TypeVar('P', bound=Parameters)
 
@@ -46,7 +47,7 @@ class Scenario:
     Attributes
     ----------
     name
-        Its name: that of its file.
+        Its name: that of its file, with the folder below ``config/scenarios``, such as ``thesis/bank``.
     description
         What it shows.
     duration
@@ -61,6 +62,8 @@ class Scenario:
         What happens, in the order of time.
     values
         What ``--set`` can override by a plain name, as it was in this run.
+    vary
+        Names that ``--set`` takes, with the values of each that `variants` goes through.
     """
 
     name: str
@@ -74,8 +77,9 @@ class Scenario:
     side_slip: SideSlipParameters = field(default_factory=SideSlipParameters)
     plant: PlantParameters = field(default_factory=PlantParameters)
     commands: tuple[Command, ...] = ()
-    environment: tuple[EnvironmentChange, ...] = ()
+    environment: tuple[EnvironmentChange | EnvironmentProfile, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
+    vary: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
 
     @property
     def cycles(self) -> int:
@@ -83,7 +87,7 @@ class Scenario:
         return whole_cycles(self.duration, self.plant.control_period)
 
     def to_mapping(self) -> dict[str, Any]:
-        """Return the mapping of a scenario file that stands for exactly this run: every parameter, no ``$name``."""
+        """Return the mapping of a file that stands for exactly this run: every parameter, no ``$name``, no vary."""
         tree: dict[str, Any] = {
             'name': self.name,
             'description': self.description,
@@ -100,7 +104,7 @@ class Scenario:
         return tree
 
     def as_yaml(self) -> str:
-        """Return `to_mapping` as the text of a scenario file; `load_scenario` reads it back equal."""
+        """Return `to_mapping` as the text of a scenario file; `load_scenario` reads it back equal but for vary."""
         return yaml_text.dump(self.to_mapping())
 
 
@@ -109,58 +113,27 @@ def whole_cycles(time: float, period: float) -> int:
     return math.ceil(time / period - 1e-6)
 
 
-def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> Scenario:
-    """Read a scenario.
-
-    Parameters
-    ----------
-    name_or_path
-        The name of a scenario in ``config/scenarios``, or the path of a YAML file.
-    overrides
-        ``name=value`` for the names in ``values``, and for duration, side_slip_control and command_period;
-        ``section.name=value`` for parameters, such as ``vehicle.mass=1400``. A value is a YAML scalar or list.
-        Of two for the same name the later holds.
-
-    Returns
-    -------
-    Scenario
-        Checked, with a duration of whole control cycles (rounded up).
+def make_scenario(name: str, tree: Any, settings: Sequence[Setting] = ()) -> Scenario:
+    """Make a scenario from the mapping of its file, with other settings than those that it has; ``vary`` stays empty.
 
     Raises
     ------
     ScenarioError
-        One line: the file, the place in it, what is wrong, and what is allowed.
+        One line: the place in the mapping, what is wrong, and what is allowed.
     """
-    path = find_scenario(name_or_path)
-    try:
-        text = path.read_bytes()
-    except OSError as error:
-        raise ScenarioError(f'{path}: {error.strerror}') from None
-    try:
-        return build_scenario(path.stem, yaml_text.parse(text), overrides)
-    except ScenarioError as error:
-        settings = f' with {" ".join(overrides)}' if overrides else ''
-        raise ScenarioError(f'{path}{settings}: {error}') from None
-
-
-def build_scenario(name: str, tree: Any, overrides: Sequence[str] = ()) -> Scenario:
-    """Make a scenario from the mapping that its file holds; see `load_scenario`."""
     entries = read_mapping(tree)
     for key in entries:
         if key not in _KEYS:
             raise ScenarioError(f'unknown key {key!r}{did_you_mean(key, _KEYS)}')
     name = _read_text('name', entries.pop('name', name))
     description = _read_text('description', entries.pop('description', ''))
-    values = _read_section(entries.pop('values', {}), 'values')
-    for section in SECTIONS:
-        entries[section] = _read_section(entries.get(section, {}), section)
-    for override in overrides:
-        _apply(override, entries, values)
-    entries = _fill_in(entries, values)
+    entries, values = _settled(entries, settings)
     plant = _make(PlantParameters, 'plant', entries)
     period = plant.control_period
     duration = read_number('duration', entries.get('duration'), low=period, high=_LONGEST)
     duration = whole_cycles(duration, period) * period
+    steering = _make(SteeringParameters, 'steering', entries)
+    command = partial(read_command, driven_wheels=sum(share > 0.0 for share in steering.drive_shares))
     return Scenario(
         name=name,
         duration=duration,
@@ -168,14 +141,25 @@ def build_scenario(name: str, tree: Any, overrides: Sequence[str] = ()) -> Scena
         side_slip_control=_read_flag('side_slip_control', entries.get('side_slip_control', False)),
         command_period=read_number('command_period', entries.get('command_period', 0.02), low=period, high=_LONGEST),
         vehicle=_make(VehicleParameters, 'vehicle', entries),
-        steering=_make(SteeringParameters, 'steering', entries),
+        steering=steering,
         wheel_module=_make(WheelModuleParameters, 'wheel_module', entries),
         side_slip=_make(SideSlipParameters, 'side_slip', entries),
         plant=plant,
-        commands=read_timeline('commands', entries.get('commands', []), read_command),
-        environment=read_timeline('environment', entries.get('environment', []), read_change),
+        commands=read_timeline('commands', entries.get('commands', []), command, follow_command),
+        environment=_read_environment(entries.get('environment', []), duration),
         values=values,
     )
+
+
+def _settled(entries: dict[str, Any], settings: Sequence[Setting]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what a file says with the settings and values in their places, and these values."""
+    values = _read_section(entries.get('values', {}), 'values')
+    entries = {key: entry for key, entry in entries.items() if key not in ('values', 'vary')}
+    for section in SECTIONS:
+        entries[section] = _read_section(entries.get(section, {}), section)
+    for setting in settings:
+        apply_setting(setting, entries, values)
+    return fill_in(entries, values), values
 
 
 def _read_section(tree: Any, section: str) -> dict[str, Any]:
@@ -192,6 +176,17 @@ def _make(kind: type[P], section: str, entries: Mapping[str, Any]) -> P:
         raise ScenarioError(f'{section}: {error}') from None
 
 
+def _read_environment(tree: Any, duration: float) -> tuple[EnvironmentChange | EnvironmentProfile, ...]:
+    environment = read_timeline('environment', tree, read_environment, follow_environment)
+    for number, entry in enumerate(environment):
+        if entry.at < duration < entry.end - _TOLERANCE:
+            raise ScenarioError(
+                f'environment[{number}]: profile to {entry.end:g} s goes past the end of the run, {duration:g} s; '
+                'shorten it, or lengthen duration'
+            )
+    return environment
+
+
 def _read_text(key: str, value: Any) -> str:
     if not isinstance(value, str):
         raise ScenarioError(f'{key}: {value!r} must be a text')
@@ -202,45 +197,3 @@ def _read_flag(key: str, value: Any) -> bool:
     if not isinstance(value, bool):
         raise ScenarioError(f'{key}: {value!r} must be true or false')
     return value
-
-
-def _apply(override: str, entries: dict[str, Any], values: dict[str, Any]) -> None:
-    """Put one ``--set`` where it belongs."""
-    key, equals, text = override.partition('=')
-    key = key.strip()
-    if not equals:
-        raise ScenarioError(f'{override!r} must be name=value')
-    value = yaml_text.parse(text)
-    section, dot, parameter = key.partition('.')
-    if dot and section in SECTIONS:
-        entries[section][parameter] = value
-    elif key in values and _uses(key, entries):
-        values[key] = value
-    elif key in _PLAIN:
-        entries[key] = value
-    elif key in values:
-        raise ScenarioError(f'{key} has no effect: this file does not say ${key} anywhere')
-    else:
-        sections = (f'{section}.PARAMETER' for section in SECTIONS)
-        raise ScenarioError(f'unknown name {key!r}{did_you_mean(key, dict.fromkeys((*values, *_PLAIN, *sections)))}')
-
-
-def _uses(name: str, tree: Any) -> bool:
-    if isinstance(tree, dict):
-        return any(_uses(name, item) for item in tree.values())
-    if isinstance(tree, list):
-        return any(_uses(name, item) for item in tree)
-    return bool(tree == f'${name}')
-
-
-def _fill_in(tree: Any, values: Mapping[str, Any]) -> Any:
-    """Put the values in the place of their ``$name``."""
-    if isinstance(tree, dict):
-        return {key: _fill_in(item, values) for key, item in tree.items()}
-    if isinstance(tree, list):
-        return [_fill_in(item, values) for item in tree]
-    if not isinstance(tree, str) or not tree.startswith('$'):
-        return tree
-    if tree[1:] not in values:
-        raise ScenarioError(f'{tree} is not among the values{did_you_mean(tree[1:], values)}')
-    return values[tree[1:]]

@@ -4,7 +4,8 @@ from bisect import bisect_right
 from typing import Any
 
 from omni_vehicle_ros import messages
-from omni_vehicle_ros.scenarios.commands import Command, EnvironmentChange
+from omni_vehicle_ros.scenarios.commands import Command
+from omni_vehicle_ros.scenarios.environment import EnvironmentChange, EnvironmentProfile
 from omni_vehicle_ros.scenarios.scenario import Scenario, whole_cycles
 from omni_vehicle_ros.wheels import WHEELS
 
@@ -14,8 +15,9 @@ Message = tuple[str, Any]
 class DriverScript:
     """The messages of a scenario's driver.
 
-    Commands go out when they begin and then every ``command_period``; the environment at the start and when
-    it changes, so that a recording holds what acted. Stamps are those of the cycles, exact in nanoseconds.
+    Commands go out when they begin and then every ``command_period``; the environment at the start and in every
+    cycle in which it changes, so that a recording holds what acted. Stamps are those of the cycles, exact in
+    nanoseconds.
 
     Parameters
     ----------
@@ -30,7 +32,9 @@ class DriverScript:
         self._straight = 10.0 * scenario.steering.straight_radius
         self._commands = scenario.commands
         self._starts = [whole_cycles(command.at, period) for command in scenario.commands]
-        self._environment = _environment_messages(scenario)
+        self._steps = _steps(scenario)
+        profiles = (entry for entry in scenario.environment if isinstance(entry, EnvironmentProfile))
+        self._profiles = [(whole_cycles(p.at, period), whole_cycles(p.end, period), p) for p in profiles]
 
     def messages(self, cycle: int) -> list[Message]:
         """Return what to publish in a cycle.
@@ -46,10 +50,22 @@ class DriverScript:
             Topics, as in the wiring table, and values of `omni_vehicle_ros.messages`.
         """
         stamp = cycle * self._period_ns
-        said = [(topic, value._replace(stamp=stamp)) for topic, value in self._environment.get(cycle, ())]
+        around = {**self._profile_messages(cycle), **self._steps.get(cycle, {})}
+        said = [(topic, value._replace(stamp=stamp)) for topic, value in around.items()]
         current = bisect_right(self._starts, cycle) - 1
         if current >= 0 and (cycle - self._starts[current]) % self._repeat == 0:
             said += self._command(self._commands[current], stamp)
+        return said
+
+    def _profile_messages(self, cycle: int) -> dict[str, Any]:
+        """Return the messages, without stamps, of the profiles that change from the cycle before to this one."""
+        said: dict[str, Any] = {}
+        for first, last, profile in self._profiles:
+            if first < cycle <= last:
+                before = (cycle - 1) * self._period_ns * 1e-9
+                now = profile.end if cycle == last else cycle * self._period_ns * 1e-9
+                if profile.values(now) != profile.values(before):
+                    said |= _environment_messages(profile.change(now))
         return said
 
     def _command(self, command: Command, stamp: int) -> list[Message]:
@@ -64,17 +80,24 @@ class DriverScript:
         return [icr, ('driver/traction', messages.Wrench(stamp, command.traction or 0.0, tz=command.yaw_moment))]
 
 
-def _environment_messages(scenario: Scenario) -> dict[int, list[Message]]:
-    """Return the messages about the environment, without stamps, by cycle; cycle 0 has all of them."""
-    plant = scenario.plant
-    start = EnvironmentChange(0.0, plant.bank, plant.wind, plant.friction)
-    by_cycle: dict[int, dict[str, Any]] = {}
-    for change in (start, *scenario.environment):
-        said = by_cycle.setdefault(whole_cycles(change.at, plant.control_period), {})
-        if change.bank is not None:
-            said['environment/bank'] = messages.Vector(0, change.bank, 0.0)
-        if change.wind is not None:
-            said['environment/wind'] = messages.Vector(0, 0.0, change.wind)
-        if change.friction is not None:
-            said['environment/friction'] = messages.Joints(0, WHEELS, effort=change.friction)
-    return {cycle: list(said.items()) for cycle, said in by_cycle.items()}
+def _steps(scenario: Scenario) -> dict[int, dict[str, Any]]:
+    """Return messages without stamps by cycle and topic: all in cycle 0, then steps and the begin of profiles."""
+    plant, period = scenario.plant, scenario.plant.control_period
+    by_cycle = {0: _environment_messages(EnvironmentChange(0.0, plant.bank, plant.wind, plant.friction))}
+    for entry in scenario.environment:
+        cycle, last = whole_cycles(entry.at, period), whole_cycles(entry.end, period)
+        if isinstance(entry, EnvironmentProfile):
+            entry = entry.change(entry.end if cycle == last else cycle * period)
+        by_cycle.setdefault(cycle, {}).update(_environment_messages(entry))
+    return by_cycle
+
+
+def _environment_messages(change: EnvironmentChange) -> dict[str, Any]:
+    said: dict[str, Any] = {}
+    if change.bank is not None:
+        said['environment/bank'] = messages.Vector(0, change.bank, 0.0)
+    if change.wind is not None:
+        said['environment/wind'] = messages.Vector(0, 0.0, change.wind)
+    if change.friction is not None:
+        said['environment/friction'] = messages.Joints(0, WHEELS, effort=change.friction)
+    return said

@@ -31,6 +31,10 @@ class Motion:
         self.friction_use = np.outer(ones, [0.4, 0.3, 0.2, 0.1])
         self.load = np.full((len(ones), 4), LOAD)
         self.friction: list[tuple[float, dict[str, float]]] = [(0.0, dict.fromkeys(WHEELS, 0.9))]
+        self.long_force = np.zeros((len(ones), 4))
+        self.icr: tuple[float, float] | None = None
+        self.steer_angles = (0.1, 0.1, -0.1, -0.1)
+        self.bank = 0.0
         self.topics_left_out: set[str] = set()
 
     def write(self, directory: Path) -> Bag:
@@ -48,9 +52,11 @@ class Motion:
         for time, friction in self.friction:
             stamp = round(time * 1e9)
             yield 'environment/friction', messages.Joints(stamp, tuple(friction), effort=tuple(friction.values()))
-        yield 'environment/bank', messages.Vector(0, 0.0, 0.0)
+        yield 'environment/bank', messages.Vector(0, self.bank, 0.0)
         yield 'environment/wind', messages.Vector(0, 0.0, 0.0)
         yield 'driver/speed', messages.Twist(0, 5.0)
+        if self.icr is not None:
+            yield 'driver/icr', messages.Point(0, *self.icr)
         zeros, numbers = (0.0,) * 8, [*map(tuple, self.side_slip.tolist())]
         for k in range(len(self.time)):
             stamp, vx, r = k * PERIOD_NS, float(self.vx[k]), float(self.yaw_rate[k])
@@ -59,8 +65,9 @@ class Motion:
             yield 'odom', messages.Odometry(stamp, *pose, vx, float(self.vy[k]), r)
             yield 'imu', messages.Imu(stamp, 0.01, pose[2], r, 0.0, vx * r, 9.81)
             yield 'tyres/side_slip', messages.Joints(stamp, WHEELS, numbers[k], (vx,) * 4, use)
-            yield 'tyres/force', messages.Forces(stamp, WHEELS, tuple((0.0, 100.0, load) for load in loads))
-            yield 'joint_states', messages.Joints(stamp, JOINTS, (0.1, 0.1, -0.1, -0.1, *zeros[4:]), zeros, zeros)
+            forces = zip(self.long_force[k].tolist(), loads, strict=True)
+            yield 'tyres/force', messages.Forces(stamp, WHEELS, tuple((drive, 100.0, load) for drive, load in forces))
+            yield 'joint_states', messages.Joints(stamp, JOINTS, (*self.steer_angles, *zeros[4:]), zeros, zeros)
             yield 'front_left/command', messages.Joints(stamp, JOINTS[::4], (0.1, 0.0), (0.0, 1.0), (0.0, 1.0))
 
 

@@ -10,13 +10,14 @@ from omni_vehicle_ros.analysis import compute_metrics
 from omni_vehicle_ros.analysis.metrics import path_radius
 from omni_vehicle_ros.analysis.topics import friction
 from omni_vehicle_ros.errors import BagError
-from omni_vehicle_ros.model.tyre import second_critical_slip
+from omni_vehicle_ros.model.tyres.dugoff import second_critical_slip
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
 Motions = Callable[..., Any]
 Write = Callable[[Any], Any]
 CAR = VehicleParameters()
+UNKNOWN_LIMIT = {'limit_speed': None, 'limit_cause': None}
 
 
 @pytest.mark.parametrize(('radius', 'speed'), [(10.0, 5.0), (-8.0, 3.0), (12.0, -2.0), (-6.0, -1.0)])
@@ -33,7 +34,7 @@ def test_a_circle(motion: Motions, bag_of: Write, radius: float, speed: float) -
         'steady_state': pytest.approx(0.04), 'peak': 0.04, 'overshoot': 0.0, 'settling_time': 0.0}
     assert metrics['friction_use']['rear_right'] == {'peak': pytest.approx(0.1)}
     assert metrics['load']['rear_left'] == {'minimum': 3000.0}
-    assert metrics['steady'] == {'reached': True, 'reason': None}
+    assert metrics['steady'] == {'reached': True, 'reason': None, **UNKNOWN_LIMIT}
 
 
 def test_keys_and_types_survive_json(motion: Motions, bag_of: Write) -> None:
@@ -121,7 +122,7 @@ def test_without_a_word_about_friction_the_plants_default_counts(motion: Motions
 
 def test_a_short_run_has_no_steady_state(motion: Motions, bag_of: Write) -> None:
     metrics = compute_metrics(bag_of(motion(0.5)))
-    assert metrics['steady'] == {'reached': False, 'reason': 'shorter than a second'}
+    assert metrics['steady'] == {'reached': False, 'reason': 'shorter than a second', **UNKNOWN_LIMIT}
     assert metrics['side_slip']['front_left']['peak'] == 0.04
 
 

@@ -17,6 +17,7 @@ from omni_vehicle_ros.analysis import compute_metrics, write_report
 from omni_vehicle_ros.analysis.path import plot_path, snapshots
 from omni_vehicle_ros.analysis.style import house_style, thinned, to_svg
 from omni_vehicle_ros.errors import BagError, RunError
+from omni_vehicle_ros.model.kinematics import Icr, road_steer_angles
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.scenarios import load_scenario
 
@@ -82,12 +83,13 @@ def test_the_page_is_whole_and_needs_nothing_else(run: Callable[..., Path]) -> N
     page = Page(text)
     assert not page.open
     assert 'http' not in text
-    assert page.tags.count('svg') == 9
+    assert page.tags.count('svg') == 10
     assert not {'script', 'link', 'img', 'iframe'} & set(page.tags)
     assert len(page.ids) == len(set(page.ids))
     assert {reference.lstrip('#') for reference in page.references} <= set(page.ids)
     assert len(text) < 1_500_000
-    for words in ('simple turning', 'side slip [°]', 'time [s]', 'load [kN]', 'front left', 'x [m]', '10.00'):
+    expected = ('simple turning', 'side slip [°]', 'time [s]', 'load [kN]', 'front left', 'x [m]', '10.00', 'nonlinear')
+    for words in expected:
         assert words in page.words
 
 
@@ -168,3 +170,11 @@ def test_thinning_keeps_the_ends_and_the_extremes(signal: np.ndarray) -> None:
     assert (few[0], few[-1]) == (signal[0], signal[-1])
     assert (few.min(), few.max()) == (signal.min(), signal.max())
     assert set(zip(few_time, few, strict=True)) <= set(zip(time, signal, strict=True))
+
+
+def test_a_turn_past_its_limit_says_up_to_where_it_goes(motion: Any, run: Callable[..., Path]) -> None:
+    moved = motion(4.0, 2.0, 4.0)
+    moved.icr, moved.steer_angles = (0.0, 2.0), road_steer_angles(Icr(0.0, 2.0), VehicleParameters())
+    text = Page(read(run(moved))).words
+    assert 'No steady state at the end' in text
+    assert 'The limit speed of this turn is 3.254 m/s (fold)' in text

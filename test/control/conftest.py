@@ -4,12 +4,14 @@ import math
 
 import pytest
 
+from omni_vehicle_ros.control.controllers import make_controller
 from omni_vehicle_ros.control.icr_steering import IcrSteering
-from omni_vehicle_ros.control.side_slip import SideSlipController
-from omni_vehicle_ros.control.wheel_module import Setpoint, WheelModule
+from omni_vehicle_ros.control.trim import Sensed
+from omni_vehicle_ros.control.wheel_module import Setpoint, Trim, WheelModule
 from omni_vehicle_ros.messages import Point, Twist
 from omni_vehicle_ros.model.body import Environment, Inputs, evaluate
 from omni_vehicle_ros.model.constants import constants
+from omni_vehicle_ros.model.kinematics import Twist as Motion
 from omni_vehicle_ros.model.plant import advance
 from omni_vehicle_ros.model.state import initial_state, state_view
 from omni_vehicle_ros.parameters import SideSlipParameters, SteeringParameters, VehicleParameters, WheelModuleParameters
@@ -19,15 +21,21 @@ PERIOD = 0.005
 
 
 class ClosedLoop:
-    """ICR steering, four wheel modules, maybe the side-slip controller, and the plant, in lock step."""
+    """ICR steering, four wheel modules, the controller of side slip and the plant, in lock step.
 
-    def __init__(self, steering=None, module=None, slip=None, speed=0.0, bank=0.0, constant_speed=False):
+    All but the plant know the default vehicle; the plant may be another one.
+    """
+
+    def __init__(
+        self, steering=None, module=None, slip=None, speed=0.0, bank=0.0, constant_speed=False, plant=None, friction=0.9
+    ):
         self.vehicle = VehicleParameters()
         self.icr_steering = IcrSteering(self.vehicle, steering or SteeringParameters(), PERIOD)
         self.modules = [WheelModule(module or WheelModuleParameters(), PERIOD) for _ in range(4)]
-        self.slip = SideSlipController(slip or SideSlipParameters(proportional_gains=(0.0,) * 4))
-        self.environment, self.constant_speed = Environment(bank=bank), constant_speed
-        self.constants, self.vector = constants(self.vehicle), initial_state(speed)
+        self.slip = make_controller(slip or SideSlipParameters(proportional_gains=(0.0,) * 4), self.vehicle)
+        self.environment = Environment(bank=bank, friction=(friction,) * 4)
+        self.constant_speed = constant_speed
+        self.constants, self.vector = constants(plant or self.vehicle), initial_state(speed)
         self.angles = self.forces = (0.0,) * 4
         self.now, self.commanded = 0, True
 
@@ -53,7 +61,10 @@ class ClosedLoop:
         radius = self.vehicle.wheel_radius
         spin = per_wheel(lambda i: speeds[i] / radius)
         self.setpoints = self.icr_steering.update(self.now, self.angles, spin)
-        self.trims = self.slip.update(self.now, self.seen.side_slip, speeds)
+        torque = per_wheel(lambda i: self.forces[i] * radius)
+        motion, ay, commanded = Motion(state.vx, state.vy, state.r), self.seen.ay, self.setpoints.twist
+        sensed = Sensed(self.seen.side_slip, speeds, self.angles, torque, motion, ay, commanded)
+        self.trims = self.slip.update(self.now, sensed)
         doing = [self._module(i, spin[i]) for i in range(4)]
         angle, rate = per_wheel(lambda i: doing[i].steer_angle), per_wheel(lambda i: doing[i].steer_rate)
         self.forces = per_wheel(lambda i: doing[i].drive_torque / radius)
@@ -67,7 +78,7 @@ class ClosedLoop:
         module, wanted = self.modules[i], self.setpoints
         if self.commanded:
             module.command(Setpoint(self.now, wanted.steer_angle[i], wanted.wheel_speed[i], wanted.torque[i]))
-            module.trim(self.now, self.trims[i])
+            module.trim(Trim(self.now, self.trims.steer_angle[i], self.trims.torque[i]))
         return module.update(self.now, spin)
 
     def run(self, duration, command=lambda: None):

@@ -135,9 +135,23 @@ def test_left_and_right_are_mirror_images(icrs, speed):
     left, right = Bench(), Bench()
     for y, x, side in icrs:
         a, b = left.drive(0.3, speed, (x, side * y)), right.drive(0.3, speed, (x, -side * y))
-        for plain, mirrored, sign in zip(a, b, (-1.0, 1.0, 1.0), strict=True):
+        for plain, mirrored, sign in zip(a[:3], b[:3], (-1.0, 1.0, 1.0), strict=True):
             fl, fr, rl, rr = mirrored
             assert (sign * fr, sign * fl, sign * rr, sign * rl) == pytest.approx(plain, abs=1e-6)
+        assert (a.twist.vx, -a.twist.vy, -a.twist.r) == pytest.approx(b.twist, abs=1e-6)
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(-1.5, 1.5), st.integers(1, 400))
+def test_the_twist_is_the_motion_of_the_wheels_in_every_cycle(vx, vy, yaw_rate, cycles):
+    bench = Bench()
+    for _ in range(cycles):
+        bench.law.cmd_vel(Twist(bench.now, vx, vy, yaw_rate), bench.now)
+        found = bench.cycle()
+    for i in range(4):
+        speed, angle, twist = 0.35 * found.wheel_speed[i], found.steer_angle[i], found.twist
+        rolling = speed * math.cos(angle), speed * math.sin(angle)
+        assert (twist.vx - Y[i] * twist.r, twist.vy + X[i] * twist.r) == pytest.approx(rolling, abs=1e-5)
 
 
 @settings(deadline=None, max_examples=20)

@@ -9,12 +9,20 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from omni_vehicle_ros.control.health import ERROR, OK, WARN
-from omni_vehicle_ros.control.side_slip import Pid, SideSlipController, exact_side_slip
+from omni_vehicle_ros.control.pid import Pid
+from omni_vehicle_ros.control.side_slip import SideSlipController, exact_side_slip
+from omni_vehicle_ros.control.trim import Sensed
 from omni_vehicle_ros.parameters import SideSlipParameters, SteeringParameters
 
 STEP = 5_000_000
 FAST = (10.0,) * 4
 any_float = st.floats(allow_nan=True, allow_infinity=True)
+
+
+def steer(controller, stamp, side_slip, speeds=FAST):
+    trims = controller.update(stamp, Sensed(side_slip, speeds))
+    assert trims.torque == (0.0,) * 4
+    return trims.steer_angle
 
 
 def test_pid_is_the_transfer_function():
@@ -50,14 +58,14 @@ def test_pid_output_is_within_its_limit(errors):
 
 def test_trim_opposes_the_slip_of_its_own_wheel():
     controller = SideSlipController(SideSlipParameters(proportional_gains=(5.0, 1.0, 0.0, 2.0)))
-    trims = controller.update(0, (0.01, -0.02, 0.03, -0.04), FAST)
+    trims = steer(controller, 0, (0.01, -0.02, 0.03, -0.04))
     assert trims == pytest.approx((-0.05, 0.02, 0.0, 0.08))
 
 
 def test_same_stamp_same_answer():
     controller = SideSlipController(SideSlipParameters(integral_gains=(1.0,) * 4))
-    first = controller.update(0, (0.01,) * 4, FAST)
-    assert controller.update(0, (0.4,) * 4, FAST) == first
+    first = steer(controller, 0, (0.01,) * 4)
+    assert steer(controller, 0, (0.4,) * 4) == first
 
 
 @pytest.mark.parametrize('jump', [-STEP, 3_000_000_000])
@@ -65,20 +73,20 @@ def test_clock_that_jumps_starts_the_integral_anew(jump):
     gains = (1.0,) * 4
     controller = SideSlipController(SideSlipParameters(proportional_gains=gains, integral_gains=gains))
     for k in range(100):
-        controller.update(k * STEP, (0.01,) * 4, FAST)
-    assert controller.update(99 * STEP + jump, (0.02,) * 4, FAST) == pytest.approx((-0.02,) * 4)
+        steer(controller, k * STEP, (0.01,) * 4)
+    assert steer(controller, 99 * STEP + jump, (0.02,) * 4) == pytest.approx((-0.02,) * 4)
 
 
 @pytest.mark.parametrize('speed, share', [(0.0, 0.0), (0.5, 0.0), (0.75, 0.5), (-0.75, 0.5), (1.0, 1.0), (-9.0, 1.0)])
 def test_trim_fades_out_at_low_speed(speed, share):
     controller = SideSlipController(SideSlipParameters())
     # Rolling backward, the wheel must turn the other way to slip less.
-    assert controller.update(0, (0.02,) * 4, (speed,) * 4)[0] == pytest.approx(math.copysign(0.1 * share, -speed))
+    assert steer(controller, 0, (0.02,) * 4, (speed,) * 4)[0] == pytest.approx(math.copysign(0.1 * share, -speed))
 
 
 def test_saturation_is_said_with_its_limit():
     controller = SideSlipController(SideSlipParameters())
-    assert controller.update(0, (0.3, 0.0, 0.0, 0.0), FAST)[0] == -0.5
+    assert steer(controller, 0, (0.3, 0.0, 0.0, 0.0))[0] == -0.5
     assert controller.status.level == WARN
     assert 'front_left' in controller.status.message
     assert '0.5 rad' in controller.status.message
@@ -87,14 +95,14 @@ def test_saturation_is_said_with_its_limit():
 @pytest.mark.parametrize('bad', [math.nan, math.inf, -math.inf])
 def test_no_number_keeps_the_last_trim_and_says_so(bad):
     controller = SideSlipController(SideSlipParameters())
-    before = controller.update(0, (0.02,) * 4, FAST)
-    after = controller.update(STEP, (bad, 0.03, 0.0, 0.0), (*FAST[:3], bad))
+    before = steer(controller, 0, (0.02,) * 4)
+    after = steer(controller, STEP, (bad, 0.03, 0.0, 0.0), (*FAST[:3], bad))
     assert after[0] == before[0]
     assert after[1] == pytest.approx(-0.15)
     assert controller.status.level == ERROR
     assert 'front_left' in controller.status.message
     assert 'rear_right' in controller.status.message
-    controller.update(2 * STEP, (0.0,) * 4, FAST)
+    steer(controller, 2 * STEP, (0.0,) * 4)
     assert controller.status.level == OK
 
 
@@ -105,7 +113,7 @@ def test_trims_are_finite_and_limited_whatever_comes(inputs):
     p = SideSlipParameters(proportional_gains=gains, integral_gains=gains, derivative_gains=gains)
     controller = SideSlipController(p)
     for stamp, *values in inputs:
-        assert all(abs(trim) <= 0.5 for trim in controller.update(stamp, tuple(values[:4]), tuple(values[4:])))
+        assert all(abs(trim) <= 0.5 for trim in steer(controller, stamp, tuple(values[:4]), tuple(values[4:])))
 
 
 def test_exact_side_slip_solves_its_equation():
@@ -122,7 +130,7 @@ def test_slip_of_the_driven_vehicle_is_the_algebraic_one(closed_loop):
     for _ in loop.run(2.0, lambda: loop.drive(speed, (0.0, 5.0))):
         pass
     for i in range(2):
-        steer_free = loop.seen.side_slip[i] - loop.trims[i]
+        steer_free = loop.seen.side_slip[i] - loop.trims.steer_angle[i]
         assert loop.seen.side_slip[i] == pytest.approx(exact_side_slip(steer_free, 5.0), rel=1e-3)
-        assert loop.angles[i] == pytest.approx(loop.setpoints.steer_angle[i] + loop.trims[i], rel=1e-3)
+        assert loop.angles[i] == pytest.approx(loop.setpoints.steer_angle[i] + loop.trims.steer_angle[i], rel=1e-3)
     assert loop.seen.side_slip[0] < 0.05

@@ -1,7 +1,5 @@
 """The speed controller on vehicles of one mass, with the lag of the drive, against what its laws promise."""
 
-import math
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -122,46 +120,3 @@ def test_forces_never_pass_the_limit(magnitude, acceleration, units, speeds, dt)
 def test_the_magnitude_is_found_again_from_the_wheels(magnitude, units, signs):
     units = tuple(u * s for u, s in zip(units, signs, strict=True))
     assert law.measured_magnitude(units, tuple(magnitude * u for u in units)) == pytest.approx(magnitude, abs=1e-9)
-
-
-def test_a_wheel_under_the_icr_gets_no_force():
-    assert law.rolling_signs((0.0, 2.0, 2.0, -2.0)) == (0.0, 1.0, 1.0, -1.0)
-    assert law.rolling_signs((0.0,) * 4) == (0.0,) * 4
-
-
-@pytest.mark.parametrize('shares', [(0.25,) * 4, (0.5, 0.5, 0.0, 0.0), (0.0, 0.0, 0.5, 0.5)])
-def test_open_loop_traction_sums_to_the_total(shares):
-    # 500 N on each of four wheels for 2 s from rest give 3.08 m/s (thesis, sec. 4.3: 3.1 m/s).
-    steering = SteeringParameters(drive_shares=shares)
-    trolley = Trolley(lagging=False)
-    for _ in range(400):
-        trolley.push(law.traction_forces(2000.0, AHEAD, trolley.speeds, VEHICLE, steering))
-    assert trolley.speed == pytest.approx(2000.0 * 2.0 / 1298.9)
-
-
-@pytest.mark.parametrize('lagging', [True, False])
-@pytest.mark.parametrize('speed', [3.0, -3.0, 0.05])
-def test_an_open_loop_brake_never_drives_the_vehicle_backwards(lagging, speed):
-    trolley = Trolley(speed=speed, lagging=lagging)
-    for _ in range(2000):
-        trolley.push(law.traction_forces(-4000.0, AHEAD, trolley.speeds, VEHICLE, STEERING))
-        assert trolley.speed * speed >= -1e-6
-    assert trolley.speed == pytest.approx(0.0, abs=1e-6)
-
-
-@settings(deadline=None)
-@given(st.floats(-3000.0, 3000.0), st.tuples(*[st.floats(-1.75, 1.75)] * 4))
-def test_moment_forces_make_the_moment(moment, angles):
-    forces = law.moment_forces(moment, angles, VEHICLE)
-    x, y = VEHICLE.wheel_x, VEHICLE.wheel_y
-    made = sum(
-        x[i] * forces[i] * math.sin(angles[i]) - y[i] * forces[i] * math.cos(angles[i]) for i in range(4)
-    )
-    assert any(forces) == bool(moment) or abs(moment) < 1e-9
-    assert made == pytest.approx(moment, abs=1e-6) or not any(forces)
-
-
-def test_moment_of_straight_wheels_is_half_the_track_times_right_minus_left():
-    fl, fr, rl, rr = law.moment_forces(1000.0, (0.0,) * 4, VEHICLE)
-    assert 1.436 / 2.0 * (fr + rr - fl - rl) == pytest.approx(1000.0)
-    assert fl + fr + rl + rr == pytest.approx(0.0)

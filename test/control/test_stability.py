@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from omni_vehicle_ros.control.actuator import SteerActuator
 from omni_vehicle_ros.control.side_slip import SideSlipController, exact_side_slip
 from omni_vehicle_ros.control.stability import side_slip_gain_limit
+from omni_vehicle_ros.control.trim import Sensed
 from omni_vehicle_ros.parameters import SideSlipParameters, WheelModuleParameters
 
 
@@ -36,7 +37,7 @@ def last_slips(gain, tau, delay, period, cycles=4000):
     for k in range(cycles):
         now = round(k * period * 1e9)
         slips.append(0.01 + angle)
-        trim = controller.update(now, (slips[-1], 0.0, 0.0, 0.0), (9.0,) * 4)[0]
+        trim = controller.update(now, Sensed((slips[-1], 0.0, 0.0, 0.0), (9.0,) * 4)).steer_angle[0]
         motion = steering.update(now, trim, period)
         angle = motion.angle + period * motion.rate
     return slips[-200:]

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from omni_vehicle_ros.control.health import ERROR, OK, WARN
-from omni_vehicle_ros.control.wheel_module import Setpoint, WheelModule
+from omni_vehicle_ros.control.wheel_module import Setpoint, Trim, WheelModule
 from omni_vehicle_ros.parameters import WheelModuleParameters
 
 PERIOD, STEP = 0.005, 5_000_000
@@ -18,23 +18,23 @@ def module(**values):
     return WheelModule(WheelModuleParameters(**values), PERIOD)
 
 
-def follow(wheel, cycles, angle=0.3, torque=50.0, trim=None, speed=10.0, begin=0):
+def follow(wheel, cycles, angle=0.3, torque=50.0, trim=None, speed=10.0, begin=0, added_torque=0.0):
     for k in range(begin, begin + cycles):
         wheel.command(Setpoint(k * STEP, angle, speed, torque))
         if trim is not None:
-            wheel.trim(k * STEP, trim)
+            wheel.trim(Trim(k * STEP, trim, added_torque))
         state = wheel.update(k * STEP, speed)
     return state
 
 
 def test_set_points_are_followed():
-    state = follow(module(), 400, trim=0.05)
-    assert state == pytest.approx((0.35, 0.0, 50.0), abs=1e-6)
+    state = follow(module(), 400, trim=0.05, added_torque=-80.0)
+    assert state == pytest.approx((0.35, 0.0, -30.0), abs=1e-6)
 
 
 def test_passive_before_the_first_command():
     wheel = module()
-    wheel.trim(0, 0.2)
+    wheel.trim(Trim(0, 0.2, 100.0))
     assert [wheel.update(k * STEP, 10.0) for k in range(100)] == [(0.0, 0.0, 0.0)] * 100
     assert wheel.status.level == OK
     assert 'passive' in wheel.status.message
@@ -90,10 +90,10 @@ def test_zero_stamp_means_now():
 
 def test_old_trim_is_dropped_and_said():
     wheel = module(ideal_actuators=True)
-    assert follow(wheel, 1, trim=0.1).steer_angle == pytest.approx(0.4)
-    assert follow(wheel, 30, begin=1).steer_angle == pytest.approx(0.3)
+    assert follow(wheel, 1, trim=0.1, added_torque=20.0) == pytest.approx((0.4, 0.0, 70.0))
+    assert follow(wheel, 30, begin=1) == pytest.approx((0.3, 0.0, 50.0))
     assert wheel.status.level == WARN
-    assert 'steer_trim' in wheel.status.message
+    assert 'trim is older' in wheel.status.message
     assert follow(wheel, 1, trim=0.1, begin=31).steer_angle == pytest.approx(0.4)
     assert wheel.status.level == OK
 
@@ -115,15 +115,21 @@ def test_torque_beyond_the_limit_is_clipped_and_said():
     wheel = module(ideal_actuators=True)
     assert follow(wheel, 1, torque=-5000.0).drive_torque == -1050.0
     assert 'drive_torque_limit, 1050 N m' in wheel.status.message
+    # What the command and the trim ask for together is what counts.
+    assert follow(wheel, 1, torque=-2000.0, trim=0.0, added_torque=1500.0, begin=1).drive_torque == -500.0
+    assert wheel.status.level == OK
+    assert follow(wheel, 1, torque=600.0, trim=0.0, added_torque=1500.0, begin=2).drive_torque == 1050.0
+    assert wheel.status.level == WARN
 
 
 @pytest.mark.parametrize('bad', [math.nan, math.inf, -math.inf])
 def test_what_is_not_finite_is_refused_and_the_last_good_one_kept(bad):
     wheel = module(ideal_actuators=True)
     good = follow(wheel, 1, trim=0.05)
-    for command in (Setpoint(STEP, bad, 0.0, 0.0), Setpoint(STEP, 0.0, bad, 0.0), Setpoint(STEP, 0.0, 0.0, bad)):
+    commands = Setpoint(STEP, bad, 0.0, 0.0), Setpoint(STEP, 0.0, bad, 0.0), Setpoint(STEP, 0.0, 0.0, bad)
+    for command, trim in zip(commands, [(bad, 0.0), (0.0, bad), (bad, bad)], strict=True):
         wheel.command(command)
-        wheel.trim(STEP, bad)
+        wheel.trim(Trim(STEP, *trim))
         assert wheel.update(STEP, 10.0) == good
         assert wheel.status.level == ERROR
         assert str(bad) in wheel.status.message
@@ -141,13 +147,13 @@ def test_clock_that_jumps_back_is_a_new_start():
 
 @settings(deadline=None, max_examples=60)
 @given(st.lists(
-    st.tuples(st.integers(0, 3), st.integers(-(10**12), 10**18), *[any_float] * 5), min_size=1, max_size=20
+    st.tuples(st.integers(0, 3), st.integers(-(10**12), 10**18), *[any_float] * 6), min_size=1, max_size=20
 ))
 def test_actuators_stay_finite_and_within_their_limits_whatever_comes(inputs):
     wheel, now = module(), 0
-    for steps, stamp, angle, spin, torque, trim, measured in inputs:
+    for steps, stamp, angle, spin, torque, trim, added_torque, measured in inputs:
         wheel.command(Setpoint(stamp, angle, spin, torque))
-        wheel.trim(stamp, trim)
+        wheel.trim(Trim(stamp, trim, added_torque))
         now += steps * STEP
         state = wheel.update(now, measured)
         assert all(map(math.isfinite, state))

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 import omni_vehicle_ros
 from omni_vehicle_ros.model import compiled
-from omni_vehicle_ros.model.body import Environment, Inputs, evaluate
+from omni_vehicle_ros.model.body import Environment, Inputs, derivative, evaluate
 from omni_vehicle_ros.model.constants import constants
-from omni_vehicle_ros.model.dynamics import evaluation
+from omni_vehicle_ros.model.dynamics import evaluation, state_rate
 from omni_vehicle_ros.model.integrate import integrate
 from omni_vehicle_ros.model.plant import advance
 from omni_vehicle_ros.model.state import State, initial_state, state_vector, state_view
@@ -30,6 +30,9 @@ VEHICLES = (
         side_force_coefficients=(0.3, 0.8, 0.7),
         front_roll_steer=0.1,
     ),
+    VehicleParameters(tyre_model='brush'),
+    VehicleParameters(tyre_model='magic_formula'),
+    VehicleParameters(tyre_model='lugre'),
 )
 needs_numba = pytest.mark.skipif(compiled.advance_kernel is None, reason='numba is missing or switched off')
 
@@ -92,22 +95,28 @@ twists = st.floats(0.0, 1.0).flatmap(
     lambda scale: st.tuples(*(st.floats(-limit, limit).map(lambda v: v * scale**3) for limit in (30.0, 6.0, 2.0)))
 )
 states = st.builds(lambda twist, z: state_vector(State(*twist, 3.0, -4.0, 5.0, *z)), twists, four(-0.05, 0.05))
+gains = four(0.0, 10.0) | st.just((0.0, 0.0, 0.0, 0.0))
+inputs = st.builds(Inputs, four(-1.5, 1.5), four(-3000.0, 3000.0), gains)
 roads = st.builds(Environment, st.floats(-0.5, 0.5), st.floats(-30.0, 30.0), four(0.0, 1.2))
 
 
 @needs_numba
 @settings(deadline=None, max_examples=200, derandomize=True)
-@given(states, four(-1.5, 1.5), four(-8.0, 8.0), four(-3000.0, 3000.0), roads, st.sampled_from(VEHICLES), st.booleans())
-def test_compiled_and_plain_give_the_same_numbers(state, angles, rates, forces, road, vehicle, constant_speed):
-    model, inputs = constants(vehicle), Inputs(angles, forces)
+@given(states, inputs, four(-8.0, 8.0), roads, st.sampled_from(VEHICLES), st.booleans())
+def test_compiled_and_plain_give_the_same_numbers(state, inputs, rates, road, vehicle, constant_speed):
+    model = constants(vehicle)
     plain = evaluation(state_view(state), inputs, road, model, constant_speed)
     fast = evaluate(state, inputs, road, model, constant_speed)
     assert type(fast) is type(plain)
     assert all(type(number) in (float, bool) for field in fast for number in np.ravel(field).tolist())
     assert fast.lifted == plain.lifted
     assert flat(fast) == pytest.approx(flat(plain), rel=1e-12, abs=1e-12 * vehicle.mass * vehicle.gravity)
+    rate = state_rate(state_view(state), inputs, road, model, constant_speed)
+    found = derivative(state, inputs, road, model, constant_speed)
+    assert found == pytest.approx(state_vector(rate), rel=1e-12, abs=1e-11)
     after = integrate(state_view(state), inputs, rates, road, model, 3, 0.002, constant_speed)
-    moved = advance(state, angles, rates, forces, road, model, 0.006, 0.002, constant_speed)
+    angles, forces, gains = inputs
+    moved = advance(state, angles, rates, forces, road, model, 0.006, 0.002, constant_speed, gains)
     assert moved == pytest.approx(state_vector(after), rel=1e-12, abs=1e-12)
 
 
@@ -119,8 +128,10 @@ def test_no_input_compiles_a_second_time():
             state = np.asarray(initial_state(), dtype=type(number))
             state.setflags(write=False)
             evaluate(state, Inputs((number,) * 4), Environment(bank=number), model, np.bool_(True))
+            derivative(state, Inputs((number,) * 4), Environment(bank=number), model, np.bool_(True))
             advance(state, (number,) * 4, (number,) * 4, (number,) * 4, Environment(), model, number, number, True)
-    assert len(compiled.evaluate_kernel.signatures) == len(compiled.advance_kernel.signatures) == 1
+    for kernel in (compiled.evaluate_kernel, compiled.derivative_kernel, compiled.advance_kernel):
+        assert len(kernel.signatures) == 1
 
 
 def test_a_plain_process_finds_the_same_as_a_compiled_one():
@@ -134,7 +145,7 @@ def test_a_plain_process_finds_the_same_as_a_compiled_one():
 
 def test_who_does_not_integrate_does_not_wait_for_numba():
     modules = ('cli', 'scenarios', 'control.commands', 'control.motion', 'control.speed', 'model.constants',
-               'model.kinematics', 'model.traction', 'model.tyre', 'components.wheel_module')  # fmt: skip
+               'model.kinematics', 'control.traction', 'model.tyres.region', 'components.wheel_module')  # fmt: skip
     code = f"""
 import importlib, json, sys
 for name in {modules}:
@@ -165,9 +176,9 @@ def test_without_any_place_for_the_cache_the_plain_physics_say_so(monkeypatch):
 
     monkeypatch.setattr('numba.njit', njit)
     with pytest.warns(RuntimeWarning, match='cannot cache function.*set NUMBA_CACHE_DIR'):
-        assert compiled.compile_physics() == (None, None)
+        assert compiled.compile_physics() == (None, None, None)
 
 
 def test_the_cache_knows_of_every_change_of_the_physics():
-    one, other = (compiled.kernels(text)[1].__closure__[0].cell_contents for text in ('a', 'b'))
+    one, other = (compiled.kernels(text)[2].__closure__[0].cell_contents for text in ('a', 'b'))
     assert one != other

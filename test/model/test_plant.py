@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from omni_vehicle_ros.model.kinematics import Icr, road_steer_angles
 from omni_vehicle_ros.model.linear import linear_bicycle
 from omni_vehicle_ros.model.plant import advance
 from omni_vehicle_ros.model.state import State, initial_state, state_vector, state_view
-from omni_vehicle_ros.parameters import VehicleParameters
+from omni_vehicle_ros.parameters import TYRE_MODELS, VehicleParameters
 
 STILL = (0.0, 0.0, 0.0, 0.0)
 ROAD = Environment()
@@ -62,13 +63,14 @@ def test_slow_turn_follows_the_commanded_radius(model, vehicle, icr):
 
 
 @pytest.mark.parametrize('speed', [3.0, 10.0, 25.0])
-def test_linear_bicycle_is_the_limit_of_small_steering(stiff_vehicle, speed):
-    linear, model = linear_bicycle(stiff_vehicle, speed), constants(stiff_vehicle)
-    angle = 1e-5
+@pytest.mark.parametrize('tyre', TYRE_MODELS)
+def test_linear_bicycle_is_the_limit_of_small_steering(stiff_vehicle, speed, tyre):
+    linear, model = linear_bicycle(stiff_vehicle, speed), constants(replace(stiff_vehicle, tyre_model=tyre))
+    angle = 1e-6  # brush and LuGre lose 1e-6 of their stiffness here, in proportion to the slip
     angles = (angle, angle, 0.0, 0.0)
     end = state_view(drive(model, speed, angles, 4.0, constant_speed=True))
     assert end.r == pytest.approx(angle * linear.yaw_gain, rel=1e-5)
-    assert end.vy / speed == pytest.approx(angle * linear.side_slip_gain, rel=1e-4, abs=1e-10)
+    assert end.vy / speed == pytest.approx(angle * linear.side_slip_gain, rel=1e-4, abs=1e-11)
     lateral = evaluate(drive(model, speed, angles, 4.0, constant_speed=True), Inputs(angles), ROAD, model, True).ay
     beyond = angle - stiff_vehicle.wheelbase * end.r / speed
     assert beyond / lateral == pytest.approx(linear.understeer_gradient, rel=1e-3)
@@ -190,16 +192,20 @@ four = st.tuples(finite, finite, finite, finite)
 
 @quiet
 @given(
-    st.lists(finite, min_size=10, max_size=10), four, four, four, st.builds(Environment, finite, finite, four),
-    st.booleans(), st.sampled_from([0.001, 0.01]),
+    st.lists(finite, min_size=10, max_size=10), four, st.builds(Inputs, four, four, four),
+    st.builds(Environment, finite, finite, four), st.booleans(), st.sampled_from([0.001, 0.01]),
+    st.sampled_from(TYRE_MODELS),
 )  # fmt: skip
-def test_finite_input_gives_finite_output(state, angles, rates, forces, road, constant_speed, step):
-    model = constants(VehicleParameters())
+def test_finite_input_gives_finite_output(state, rates, inputs, road, constant_speed, step, tyre):
+    model = constants(VehicleParameters(tyre_model=tyre))
     vector = np.array(state)
     for _ in range(3):
-        found = evaluate(vector, Inputs(angles, forces), road, model, constant_speed)
+        found = evaluate(vector, inputs, road, model, constant_speed)
         assert all(math.isfinite(number) for field in found for number in np.atleast_1d(field))
-        plain = integrate(state_view(vector), Inputs(angles, forces), rates, road, model, 3, step, constant_speed)
+        plain = integrate(state_view(vector), inputs, rates, road, model, 3, step, constant_speed)
         assert np.isfinite(plain).all()
-        vector = advance(vector, angles, rates, forces, road, model, 3.0 * step, step, constant_speed)
+        vector = advance(
+            vector, inputs.steer_angle, rates, inputs.drive_force, road, model, 3.0 * step, step, constant_speed,
+            inputs.slip_gain,
+        )  # fmt: skip
         assert np.isfinite(vector).all()

@@ -73,7 +73,7 @@ cases = [
     ('cmd_vel', twist(-math.inf), 'finite'),
     ('environment/friction', joints(['front_left'], [math.nan]), 'nan'),
     ('environment/friction', joints(['fifth'], [0.5]), 'fifth'),
-    ('environment/bank', bank(9.0), '9'), ('front_left/steer_trim', JointState(), 'front_left/steer_trim'),
+    ('environment/bank', bank(9.0), '9'), ('front_left/trim', JointState(), 'front_left/trim'),
     ('rear_left/command', joints(['a'], [1.0]), 'rear_left/command'),
 ]
 publishers = {}

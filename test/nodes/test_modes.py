@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from omni_vehicle_ros.bags import open_bag, read_messages
+from omni_vehicle_ros.thesis.bounds import SlipBound
 from omni_vehicle_ros.wheels import WHEELS
 
 from .conftest import Lab, finish, until
@@ -46,7 +47,7 @@ def test_modes_agree_and_a_run_repeats_itself(lab: Lab) -> None:
     ]
     expected = contents(runs[0])
     assert len(expected['/odom']) == 401
-    assert len(expected['/front_left/steer_trim']) == 401
+    assert len(expected['/front_left/trim']) == len(expected['/commanded_twist']) == 401
     for directory in runs[1:]:
         found = contents(directory)
         assert found.keys() == expected.keys()
@@ -106,3 +107,31 @@ def test_side_slip_control_is_stable_over_dds(lab: Lab) -> None:
     assert angle[-1] == pytest.approx(set_point - gains * slip[-1], abs=1e-3)
     uncontrolled = other['tyres/side_slip'].position[-1]
     assert np.all(slip[-1, :2] < 0.75 * uncontrolled[:2])
+
+
+ALLOCATION = """
+duration: 4.0
+side_slip_control: true
+side_slip: {controller: allocation, allocation_traction: $traction}
+values: {traction: true}
+plant: {initial_speed: 4.1667}
+commands:
+  - {at: 0.0, icr: [0.0, 5.0], speed: 4.1667}
+"""
+
+
+@pytest.mark.parametrize('traction', [True, False])
+def test_allocation_over_dds_reaches_the_bound_on_the_commanded_path(lab: Lab, traction: bool) -> None:
+    """Real actuators, three degrees of freedom: the worst slip within 5 % of the least one, the radius within 2 %."""
+    scenario, setting = str(lab.scenario(ALLOCATION)), f'traction={str(traction).lower()}'
+    for mode in ('processes', 'offline'):
+        finish(lab.command('run', scenario, '--set', setting, '--mode', mode, '--out', mode))
+    assert contents(lab.path / 'processes') == contents(lab.path / 'offline')
+    bag = open_bag(lab.path / 'processes' / 'bag')
+    slip, speed = bag['tyres/side_slip'].position[-200:], np.hypot(bag['odom'].vx, bag['odom'].vy)[-200:]
+    drives = 'left and right' if traction else 'alike'
+    assert slip.max() < 1.05 * SlipBound(5.0, float(speed.mean()), drives).work().worst
+    assert speed / bag['odom'].yaw_rate[-200:] == pytest.approx(5.0, rel=0.02)
+    assert np.ptp(slip, axis=0).max() < 0.01 * slip.max()
+    torque = np.array([bag[f'{wheel}/trim'].effort[-1, 1] for wheel in WHEELS])
+    assert (np.abs(torque) > 10.0).all() if traction else not torque.any()

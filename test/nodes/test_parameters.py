@@ -17,6 +17,7 @@ pytestmark = pytest.mark.graph
         ('plant', 'publish_clock:=7', 'publish_clock: 7 must be true or false'),
         ('icr_steering', 'steering_rule:=rail', "steering_rule: 'rail' is not one of road, omni"),
         ('side_slip_controller', 'proportional_gains:=[1.0, 2.0]', 'must be a list of 4 values'),
+        ('side_slip_controller', 'controller:=best', "controller: 'best' is not one of wheel_slip, yaw_moment"),
         ('wheel_module', 'wheel:=fifth', "wheel: 'fifth' is not one of front_left"),
         ('driver', 'scenario:=nowhere', 'nowhere'),
     ],
@@ -73,6 +74,9 @@ else:
     bad = ask(client.set_parameters, [Parameter(name, value=[-5.0, 1.0, 0.0, 0.0])]).results[0]
     assert not bad.successful
     assert 'outside 0 .. 100' in bad.reason, bad
+    fixed = ask(client.set_parameters, [Parameter('controller', value='allocation')]).results[0]
+    assert not fixed.successful
+    assert ask(client.get_parameters, ['controller']).values[0].string_value == 'wheel_slip'
 node.destroy_node()
 rclpy.shutdown()
 """

@@ -70,6 +70,6 @@ def test_a_sourced_workspace_finds_its_own_package_and_share_folder(workspace, p
 
 
 def test_what_the_report_is_made_of_is_installed(root, prefix):
-    templates = {path.name for path in (root / 'omni_vehicle_ros' / 'analysis' / 'templates').glob('*.j2')}
+    templates = {path.name for path in (root / 'omni_vehicle_ros').rglob('*.j2')}
     assert templates
     assert templates == {path.name for path in prefix.rglob('*.j2')}

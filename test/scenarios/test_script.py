@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from omni_vehicle_ros import messages
 from omni_vehicle_ros.interface import topic
 from omni_vehicle_ros.scenarios import DriverScript, load_scenario, scenario_names
-from omni_vehicle_ros.scenarios.scenario import build_scenario
+from omni_vehicle_ros.scenarios.loading import build_scenario
 from omni_vehicle_ros.wheels import WHEELS
 
 Write = Callable[..., str]

@@ -1,31 +1,13 @@
-"""Dugoff's tyre: side force, its regions and critical slips, and the combined slip of a spinning wheel.
+"""Dugoff's tyre: side force, its critical slips, and the combined slip of a spinning wheel (thesis sec. 2.5).
 
-Slip comes as the contact's velocity in the wheel frame, (v_long, v_lat): tan(side slip) = -v_lat / abs(v_long).
-A positive side slip makes a positive (leftward) force, and a wheel that rolls backward is a mirror image of one
-that rolls forward. No function here divides by a speed, so that standstill is no special case.
+The adhesion reduction factor belongs to this tyre: the faster it slides, the less the road gives.
 """
 
 import math
-from enum import IntEnum
 
+from omni_vehicle_ros.model.tyres.slip import slip_ratio
 
-class Region(IntEnum):
-    """Where on its curve a tyre works."""
-
-    LINEAR = 0
-    NONLINEAR = 1
-    SLIDING = 2
-
-
-def side_slip_angle(v_long: float, v_lat: float) -> float:
-    """Return the side-slip angle [rad], within +-pi/2, 0 at standstill; folded when rolling backward.
-
-    Parameters
-    ----------
-    v_long, v_lat
-        Velocity of the contact along and across the wheel [m/s].
-    """
-    return math.atan2(-v_lat, abs(v_long))
+FULL_STRETCH = 2.0  # slip, in units of grip over stiffness, at 7/8 of the grip: lambda = 1/4
 
 
 def grip(capacity: float, v_lat: float, adhesion_reduction: float) -> float:
@@ -89,25 +71,6 @@ def lateral_force(
     return dugoff(-v_lat, abs(v_long), grip(capacity, v_lat, adhesion_reduction), stiffness)
 
 
-def limited_drive_force(drive_force: float, capacity: float) -> float:
-    """Return the traction that a tyre can carry: ``drive_force`` within +-``capacity`` [N]."""
-    return max(-capacity, min(capacity, drive_force))
-
-
-def lateral_capacity(capacity: float, longitudinal_force: float) -> float:
-    """Return what the friction circle leaves for the side force [N] (thesis eq. 4.1, 4.2).
-
-    Parameters
-    ----------
-    capacity
-        Friction coefficient times vertical load [N].
-    longitudinal_force
-        Traction or brake force on the tyre [N]; beyond the capacity nothing is left.
-    """
-    rest = (capacity - longitudinal_force) * (capacity + longitudinal_force)
-    return math.sqrt(rest) if rest > 0.0 else 0.0
-
-
 def first_critical_slip(speed: float, capacity: float, stiffness: float, adhesion_reduction: float) -> float:
     """Return the side slip at which the tyre leaves its linear region [rad]: lambda = 1.
 
@@ -137,38 +100,6 @@ def second_critical_slip(speed: float, capacity: float, stiffness: float, adhesi
     if capacity <= 0.0:
         return 0.0
     return math.atan2(1.0, math.sqrt(reduction * reduction + 4.0 * stiffness * reduction / capacity))
-
-
-def region(side_slip: float, speed: float, capacity: float, stiffness: float, adhesion_reduction: float) -> Region:
-    """Return where on its curve a tyre with this side slip works.
-
-    Parameters
-    ----------
-    side_slip
-        Side-slip angle [rad].
-    speed, capacity, stiffness, adhesion_reduction
-        As in `first_critical_slip`.
-    """
-    size = abs(side_slip)
-    if size <= first_critical_slip(speed, capacity, stiffness, adhesion_reduction):
-        return Region.LINEAR
-    if size <= second_critical_slip(speed, capacity, stiffness, adhesion_reduction):
-        return Region.NONLINEAR
-    return Region.SLIDING
-
-
-def slip_ratio(rim_speed: float, v_long: float) -> float:
-    """Return the longitudinal slip (R w - u) / max(abs(R w), abs(u)), within +-2, 0 at standstill (Boada 2005).
-
-    Parameters
-    ----------
-    rim_speed
-        Rolling radius times spin of the wheel [m/s].
-    v_long
-        Velocity of the contact along the wheel [m/s].
-    """
-    scale = max(abs(rim_speed), abs(v_long))
-    return (rim_speed - v_long) / scale if scale > 0.0 else 0.0
 
 
 def dugoff_combined(

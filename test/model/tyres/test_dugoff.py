@@ -1,3 +1,5 @@
+"""Dugoff's tyre against the formulas of the thesis (eq. B.1-B.3) and of Boada et al. 2005."""
+
 import math
 
 import pytest
@@ -5,19 +7,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq, minimize_scalar
 
-from omni_vehicle_ros.model.tyre import (
-    Region,
+from omni_vehicle_ros.model.tyres.dugoff import (
+    FULL_STRETCH,
     dugoff,
     dugoff_combined,
     first_critical_slip,
-    lateral_capacity,
     lateral_force,
-    limited_drive_force,
-    region,
     second_critical_slip,
-    side_slip_angle,
-    slip_ratio,
 )
+from omni_vehicle_ros.model.tyres.slip import slip_ratio
 
 STIFFNESS, REDUCTION = 30000.0, 0.015
 quiet = settings(deadline=None, max_examples=60, derandomize=True)
@@ -98,29 +96,6 @@ def test_the_force_never_falls_on_a_road_without_adhesion_reduction():
     assert second_critical_slip(20.0, 3000.0, STIFFNESS, 0.0) == pytest.approx(0.5 * math.pi)
 
 
-def test_regions_follow_each_other():
-    speed, capacity = 10.0, 3000.0
-    first = first_critical_slip(speed, capacity, STIFFNESS, REDUCTION)
-    second = second_critical_slip(speed, capacity, STIFFNESS, REDUCTION)
-    slips = [0.5 * first, 0.5 * (first + second), second + 0.01]
-    assert [region(-slip, speed, capacity, STIFFNESS, REDUCTION) for slip in slips] == list(Region)
-    assert region(0.1, speed, 0.0, STIFFNESS, REDUCTION) is Region.SLIDING
-
-
-@quiet
-@given(capacities, st.floats(-2.0, 2.0))
-def test_friction_circle(capacity, share):
-    traction = limited_drive_force(share * capacity, capacity)
-    assert math.hypot(traction, lateral_capacity(capacity, traction)) == pytest.approx(capacity)
-    assert lateral_capacity(capacity, 1.1 * capacity) == 0.0
-
-
-def test_side_slip_angle_is_folded_and_defined_at_rest():
-    assert side_slip_angle(1.0, -1.0) == pytest.approx(math.pi / 4)
-    assert side_slip_angle(-1.0, -1.0) == pytest.approx(math.pi / 4)
-    assert side_slip_angle(0.0, 0.0) == 0.0
-
-
 def combined_as_printed(ratio, slip, speed, capacity):
     """Boada et al. 2005, wheel rolling forward, abs(ratio) < 1."""
     tangent = math.tan(slip)
@@ -159,3 +134,7 @@ def test_combined_slip_keeps_within_the_grip_at_any_velocity(rim_speed, v_long, 
 def test_a_wheel_spinning_on_the_spot_pulls_with_all_its_grip():
     assert dugoff_combined(3.0, 0.0, 0.0, 2000.0, (50000.0, STIFFNESS), REDUCTION) == (2000.0, 0.0)
     assert dugoff_combined(0.0, 0.0, 0.0, 2000.0, (50000.0, STIFFNESS), REDUCTION) == (0.0, 0.0)
+
+
+def test_full_stretch_is_at_seven_eighths_of_the_grip():
+    assert dugoff(FULL_STRETCH * 3000.0 / STIFFNESS, 1.0, 3000.0, STIFFNESS) == pytest.approx(0.875 * 3000.0)

@@ -1,0 +1,58 @@
+"""The limit speed of the turn that a run was, if it was one at a held speed about an ICR that stands still."""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from omni_vehicle_ros.analysis.topics import friction, has
+from omni_vehicle_ros.bags import Bag
+from omni_vehicle_ros.errors import CommandError
+from omni_vehicle_ros.model.dynamics import Environment
+from omni_vehicle_ros.parameters import VehicleParameters
+from omni_vehicle_ros.wheels import PerWheel, per_wheel
+
+if TYPE_CHECKING:
+    from omni_vehicle_ros.model.steady_turn import Limit
+
+ALIGNED = 1e-4  # rad, of the wheels with what the ICR wants
+
+
+def turn_limit(bag: Bag, vehicle: VehicleParameters) -> 'Limit | None':
+    """Return the limit of the turn that a run ends in; None if it is of another kind.
+
+    It must have held its forward speed, above 0, to the last bit; the driver must have asked for an ICR beside the
+    centre of gravity; and the wheels must stand in the end as that ICR wants, without a controller's trim.
+
+    Parameters
+    ----------
+    bag
+        A bag with odom.
+    vehicle
+        The vehicle of the run.
+    """
+    vx = bag['odom'].vx
+    if not (vx[0] > 0.0 and np.all(vx == vx[0]) and has(bag, 'driver/icr') and has(bag, 'joint_states')):
+        return None
+    icr, angles = bag['driver/icr'], bag['joint_states'].position[-1, :4]
+    x, radius = float(icr.x[-1]), float(icr.y[-1])
+    if x != 0.0 or not math.isfinite(radius) or np.all(np.abs(angles) <= ALIGNED):
+        return None
+    # The compiled physics takes a second to import; a run that needs no limit should not pay for it.
+    from omni_vehicle_ros.model.steady_turn import limit_speed
+    from omni_vehicle_ros.model.turning import turning
+
+    road = _road(bag)
+    try:
+        wanted = turning(vehicle, radius, road).inputs.steer_angle
+    except CommandError:
+        return None
+    return limit_speed(vehicle, radius, road) if np.allclose(angles, wanted, rtol=0.0, atol=ALIGNED) else None
+
+
+def _road(bag: Bag) -> Environment:
+    """Return bank, wind and friction in the end."""
+    bank = float(bag['environment/bank'].x[-1]) if has(bag, 'environment/bank') else 0.0
+    wind = float(bag['environment/wind'].y[-1]) if has(bag, 'environment/wind') else 0.0
+    grips: PerWheel = per_wheel(lambda i: float(friction(bag)[1][-1, i]))
+    return Environment(bank, wind, grips)

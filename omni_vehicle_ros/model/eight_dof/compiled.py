@@ -1,0 +1,105 @@
+"""The physics with 8 degrees of freedom compiled by numba, or None without it; see `model.compiled`.
+
+Nothing is compiled before the first call, so that who drives in the plane does not wait for it.
+"""
+
+import functools
+
+import numpy as np
+
+from omni_vehicle_ros.model import compiled as plane
+from omni_vehicle_ros.model.compiled import (
+    AdvanceKernel,
+    EvaluateKernel,
+    four,
+    packed_constants,
+    request_environment,
+    request_inputs,
+    request_rates,
+    unpacked_constants,
+)
+from omni_vehicle_ros.model.dynamics import Evaluation
+from omni_vehicle_ros.model.eight_dof import dynamics, integrate, rolling, state
+from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
+from omni_vehicle_ros.model.eight_dof.state import EightDofState
+from omni_vehicle_ros.model.state import Vector
+
+BRANCHES = (dynamics, integrate, rolling)
+LEAVES = (state,)
+STATE = 20  # entries of the state
+SCALARS = len(EightDofConstants._fields) - 1
+
+Kernels = tuple[EvaluateKernel, AdvanceKernel]
+
+
+@functools.lru_cache(maxsize=8)
+def packed_eight_dof(model: EightDofConstants) -> Vector:
+    """Return all numbers of the constants, those of the plane last, as the kernels take them."""
+    return np.hstack((model[1:], packed_constants(model.plane))).astype(np.float64)
+
+
+def _unpacked(n: Vector) -> EightDofConstants:
+    return EightDofConstants(
+        plane=unpacked_constants(n[SCALARS:]),
+        roll_inertia=n[0],
+        roll_yaw_inertia=n[1],
+        roll_coupling=n[2],
+        roll_shift=n[3],
+        net_roll_stiffness=n[4],
+        roll_damping=n[5],
+        front_spring=n[6],
+        rear_spring=n[7],
+        front_damper=n[8],
+        rear_damper=n[9],
+        front_link=n[10],
+        rear_link=n[11],
+        wheel_inertia=n[12],
+        wheel_radius=n[13],
+        long_damping=n[14],
+        longest_step=n[15],
+    )
+
+
+def _state(n: Vector) -> EightDofState:
+    return EightDofState(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], four(n, 8), four(n, 12), four(n, 16))
+
+
+def _vector(now: EightDofState) -> Vector:
+    vx, vy, r, x, y, psi, roll, roll_rate, spin, along, across = now
+    body = np.array((vx, vy, r, x, y, psi, roll, roll_rate))
+    return np.concatenate((body, np.array(spin), np.array(along), np.array(across)))
+
+
+def compile_eight_dof() -> Kernels | tuple[None, None]:
+    """Return both kernels, not compiled before their first call; None where there is no way to compile."""
+    if plane.advance_kernel is None:
+        return None, None
+    used = plane.BRANCHES + plane.LEAVES
+    return plane.compile_kernels(kernels, (_unpacked, _state, _vector), BRANCHES, LEAVES, used) or (None, None)
+
+
+def kernels(source: str) -> Kernels:
+    """Return both kernels in plain Python.
+
+    Parameters
+    ----------
+    source
+        Text of the physics, for numba's cache, as in `model.compiled.kernels`.
+    """
+    def evaluate(request: Vector, constants: Vector, constant_speed: bool) -> Evaluation:
+        source  # noqa: B018
+        inputs, environment = request_inputs(request, STATE), request_environment(request, STATE)
+        return dynamics.evaluation(_state(request), inputs, environment, _unpacked(constants), constant_speed)
+
+    def advance(request: Vector, constants: Vector, steps: int, size: float, constant_speed: bool) -> Vector:
+        source  # noqa: B018
+        inputs, environment = request_inputs(request, STATE), request_environment(request, STATE)
+        now, rates, model = _state(request), request_rates(request, STATE), _unpacked(constants)
+        return _vector(
+            integrate.integrate(now, inputs, rates, environment, model, steps, size, constant_speed)
+        )
+
+    return evaluate, advance
+
+
+evaluate_kernel, advance_kernel = compile_eight_dof()

@@ -1,0 +1,60 @@
+"""The vehicle with 8 degrees of freedom, as those who drive it see it."""
+
+import math
+
+from omni_vehicle_ros.model.compiled import packed_request
+from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
+from omni_vehicle_ros.model.eight_dof.compiled import advance_kernel, evaluate_kernel, packed_eight_dof
+from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
+from omni_vehicle_ros.model.eight_dof.dynamics import evaluation
+from omni_vehicle_ros.model.eight_dof.integrate import integrate
+from omni_vehicle_ros.model.eight_dof.state import state_vector, state_view
+from omni_vehicle_ros.model.state import Vector
+from omni_vehicle_ros.wheels import PerWheel
+
+
+def evaluate(
+    state: Vector, inputs: Inputs, environment: Environment, constants: EightDofConstants, constant_speed: bool = False
+) -> Evaluation:
+    """Return slips, forces and loads at one instant; as `body.evaluate`, with a state of shape (20,)."""
+    if evaluate_kernel is None:
+        return evaluation(state_view(state), inputs, environment, constants, constant_speed)
+    return evaluate_kernel(packed_request(state, inputs, environment), packed_eight_dof(constants), constant_speed)
+
+
+def advance(
+    state: Vector,
+    inputs: Inputs,
+    steer_rate: PerWheel,
+    environment: Environment,
+    constants: EightDofConstants,
+    duration: float,
+    step: float,
+    constant_speed: bool = False,
+) -> Vector:
+    """Return the state after one control cycle, shape (20,).
+
+    Parameters
+    ----------
+    state
+        State at the start; left as it is.
+    inputs, steer_rate
+        Steer angles [rad], torques over wheel radius [N] and slip gains at the start, and the rates of the
+        angles, held over the cycle [rad/s]; fl, fr, rl, rr.
+    environment, constants
+        What acts on the vehicle, and the vehicle.
+    duration
+        Length of the cycle [s].
+    step
+        Integration step [s]; the nearest that divides the cycle without rest is taken, or a shorter one where
+        slip or roll could not be followed.
+    constant_speed
+        Hold vx; torques are left out.
+    """
+    steps = max(1, round(duration / step), math.ceil(duration / constants.longest_step))
+    size = float(duration) / steps
+    if advance_kernel is None:
+        end = integrate(state_view(state), inputs, steer_rate, environment, constants, steps, size, constant_speed)
+        return state_vector(end)
+    request = packed_request(state, inputs, environment, steer_rate)
+    return advance_kernel(request, packed_eight_dof(constants), steps, size, constant_speed)

@@ -1,0 +1,219 @@
+"""Steady turns found directly, as roots of the equations of motion, and the speed at which they are lost.
+
+At a creep the steady turn is the motion about the ICR, without any slip. The turns of higher speeds are what this one
+becomes as the speed rises: a branch of roots. There are other roots, saddles and repellers, and past the grip limit
+states in which the held speed drags a vehicle that slides; only those on the branch count as steady turns.
+"""
+
+import functools
+import math
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from omni_vehicle_ros.errors import ParameterError
+from omni_vehicle_ros.model.continuation import Point
+from omni_vehicle_ros.model.dynamics import Environment
+from omni_vehicle_ros.model.turning import SIDEWAYS, SPEED_UNIT, SteadyTurn, Turning, speed_of, turning
+from omni_vehicle_ros.parameters import VehicleParameters
+
+LEVEL_ROAD = Environment()
+CREEP = 0.1  # m/s, where a branch begins
+TOP_SPEED = 60.0  # m/s
+LONGEST_STEP = 0.05
+ROUNDING = 1e-9  # of the speed unit
+FLAT = 1e-3  # share of the speed in a step along the branch where it turns back
+
+Cause = Literal['fold', 'divergence', 'oscillation', 'sliding', 'lift']
+_Loss = tuple[float, Cause] | tuple[None, None]
+
+
+class Limit(NamedTuple):
+    """Where the steady turns of a radius are lost.
+
+    ``speed``: up to it all steady turns are stable, with no axle sliding and no wheel in the air [m/s]. ``cause``:
+    what comes then; None as ``speed`` is if nothing does. ``grip_speed``: the speed of the largest lateral
+    acceleration [m/s], from which on a faster vehicle only runs wide; None if it still grows where the branch ends.
+
+    - fold: the branch turns back, there is no steady turn at a higher speed;
+    - divergence, oscillation: there is one, but disturbances grow, without or with oscillation;
+    - sliding: both tyres of an axle slide, or the vehicle skids sideways;
+    - lift: a wheel leaves the ground.
+    """
+
+    speed: float | None
+    cause: Cause | None
+    grip_speed: float | None
+
+    def margin(self, speed: float) -> float | None:
+        """Return by how much of the limit a speed [m/s] lies below it, negative above; None without a limit."""
+        if self.speed is None:
+            return None
+        return 1.0 - speed / self.speed if self.speed > 0.0 else -math.inf
+
+
+class Branch(NamedTuple):
+    """The steady turns of one radius: points in the order of speed, from a creep to a fold or to the top speed."""
+
+    turning: Turning
+    points: tuple[Point, ...]
+    limit: Limit
+
+    @property
+    def end(self) -> float:
+        """Speed up to which there are steady turns, or up to which they were looked for [m/s]."""
+        return speed_of(self.points[-1]) if self.points else 0.0
+
+    def turn(self, speed: float) -> SteadyTurn | None:
+        """Return the steady turn at a forward speed above 0 [m/s], or None if there is none."""
+        if not 0.0 < speed <= self.end:
+            return None
+        levels = [float(point.place[0]) for point in self.points]
+        level = min(speed / SPEED_UNIT, levels[-1])
+        above = int(np.searchsorted(levels, level))
+        if above == 0:
+            point = self.turning.creeping(speed)
+        elif levels[above] - level <= ROUNDING:
+            point = self.points[above]
+        else:
+            point = self._between(self.points[above - 1], self.points[above], level)
+        return None if point is None else self.turning.turn(point)
+
+    def _between(self, before: Point, after: Point, level: float) -> Point | None:
+        """Return the point at a speed between two neighbours; near a fold there are two, and it is the first."""
+        curve = self.turning.curve
+        way = after.place - before.place
+        reach = curve.along(before, way)
+        found = curve.at(before.place + (level - before.place[0]) / way[0] * way)
+        part = curve.along(before, found.place - before.place) if found is not None else math.nan
+        if found is not None and found.tangent[0] > 0.0 and 0.0 <= part <= reach:
+            return found
+
+        def miss(step: float) -> float:
+            point = curve.stepped(before, step)
+            return math.nan if point is None else float(point.place[0]) - level
+
+        return curve.stepped(before, brentq(miss, 0.0, reach)) if miss(0.0) <= 0.0 <= miss(reach) else None
+
+
+def steady_turn(
+    vehicle: VehicleParameters, radius: float, speed: float, environment: Environment = LEVEL_ROAD
+) -> SteadyTurn | None:
+    """Return the steady turn of a vehicle at a forward speed, or None if there is none.
+
+    Parameters
+    ----------
+    vehicle
+        The vehicle.
+    radius
+        Distance of the ICR to the left of the centre of gravity [m]; negative to the right, inf straight on.
+    speed
+        Forward speed [m/s], above 0.
+    environment
+        Bank, wind and friction.
+
+    Raises
+    ------
+    CommandError
+        A wheel would have to turn by more than 90 deg (road rule), as the ICR lies within the track.
+    ParameterError
+        The speed is not above 0.
+    """
+    if not speed > 0.0:
+        raise ParameterError(f'speed: {speed!r} m/s must be above 0')
+    return steady_turns(vehicle, radius, environment, speed).turn(speed)
+
+
+def limit_speed(
+    vehicle: VehicleParameters, radius: float, environment: Environment = LEVEL_ROAD, top_speed: float = TOP_SPEED
+) -> Limit:
+    """Return up to which speed a vehicle has stable steady turns, and what comes then; see `steady_turns`."""
+    return steady_turns(vehicle, radius, environment, top_speed).limit
+
+
+@functools.lru_cache(maxsize=64)
+def steady_turns(
+    vehicle: VehicleParameters, radius: float, environment: Environment = LEVEL_ROAD, top_speed: float = TOP_SPEED
+) -> Branch:
+    """Follow the steady turns of a radius from a creep to where they end, or to the top speed.
+
+    The limit is good to 1e-6 m/s or so. The branch ends at a fold, where a wheel lifts, and where the vehicle
+    skids sideways.
+
+    Parameters
+    ----------
+    vehicle, radius, environment
+        As in `steady_turn`.
+    top_speed
+        Forward speed up to which to look [m/s].
+
+    Raises
+    ------
+    CommandError
+        As in `steady_turn`.
+    """
+    held = turning(vehicle, radius, environment)
+    first = held.creeping(min(CREEP, top_speed))
+    if first is None:  # bank or wind take more than the grip there is
+        return Branch(held, (), Limit(0.0, 'sliding', None))
+    points, turns, (lost, cause) = _followed(held, first, top_speed)
+    return Branch(held, tuple(points), Limit(lost, cause, _grip_speed(held, points, turns)))
+
+
+def _followed(held: Turning, first: Point, top_speed: float) -> tuple[list[Point], list[SteadyTurn], _Loss]:
+    """Return the points of a branch that begins with the first one, their turns, and how they are lost first."""
+    curve, points, turns = held.curve, [first], [held.turn(first)]
+    loss: _Loss = (None, None) if _sound(turns[0]) else (0.0, _cause(first, turns[0]))
+    for point in curve.follow(first, LONGEST_STEP):
+        turn, end = held.turn(point), None
+        if not _goes_on(point, turn):
+            point, end = curve.border(points[-1], point, lambda point: _goes_on(point, held.turn(point)))
+            turn = held.turn(point)
+        if loss[0] is None and not _sound(turn):
+            inside, outside = curve.border(points[-1], point, lambda point: _sound(held.turn(point)))
+            loss = speed_of(inside), _cause(outside, held.turn(outside))
+        points.append(point)
+        turns.append(turn)
+        if end is not None:
+            loss = loss if loss[0] is not None else (speed_of(point), _cause(end, held.turn(end)))
+        if end is not None or speed_of(point) >= top_speed:
+            break
+    else:  # nothing but the corner of the curve where a wheel lifts can't be passed
+        loss = loss if loss[0] is not None else (speed_of(points[-1]), 'lift')
+    return points, turns, loss
+
+
+def _sound(turn: SteadyTurn) -> bool:
+    return turn.stable and not turn.slides and not turn.lifted
+
+
+def _goes_on(point: Point, turn: SteadyTurn) -> bool:
+    return bool(point.tangent[0] > 0.0 and abs(point.place[1]) < SIDEWAYS) and not turn.lifted
+
+
+def _cause(point: Point, turn: SteadyTurn) -> Cause:
+    if turn.lifted:
+        return 'lift'
+    if turn.slides:
+        return 'sliding'
+    if turn.eigenvalues[0].imag != 0.0:
+        return 'oscillation'
+    return 'fold' if point.tangent[0] < FLAT else 'divergence'
+
+
+def _grip_speed(held: Turning, points: Sequence[Point], turns: Sequence[SteadyTurn]) -> float | None:
+    curve, side = held.curve, math.copysign(1.0, held.radius)
+    best = int(np.argmax([side * turn.lateral_acceleration for turn in turns]))
+    if not 0 < best < len(points) - 1:
+        return None
+    before = points[best - 1]
+
+    def outward(step: float) -> float:
+        point = curve.stepped(before, step)
+        return 0.0 if point is None else -side * held.turn(point).lateral_acceleration
+
+    reach = curve.along(before, points[best + 1].place - before.place)
+    top = curve.stepped(before, minimize_scalar(outward, bounds=(0.0, reach), method='bounded').x)
+    return None if top is None else speed_of(top)

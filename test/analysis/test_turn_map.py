@@ -1,0 +1,125 @@
+import csv
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from omni_vehicle_ros.analysis.map_request import MapRequest, even_grid, read_request
+from omni_vehicle_ros.analysis.stability_map import draw_map
+from omni_vehicle_ros.analysis.style import house_style
+from omni_vehicle_ros.analysis.turn_map import TurnMap, field, turn_map, worst_slip, write_tables
+from omni_vehicle_ros.errors import CommandError, ParameterError
+from omni_vehicle_ros.model.dynamics import Environment
+from omni_vehicle_ros.model.steady_turn import limit_speed, steady_turn
+from omni_vehicle_ros.parameters import VehicleParameters
+from omni_vehicle_ros.wheels import WHEELS
+
+CAR, SNOW = VehicleParameters(), Environment(friction=(0.5,) * 4)
+RADII, SPEEDS = (2.0, 5.0, 8.5, 10.0, 30.0), (1.0, 3.0, 6.0, 9.0, 13.0)
+
+
+@pytest.fixture(scope='module')
+def found() -> TurnMap:
+    return turn_map(MapRequest('snow', CAR, SNOW, RADII, SPEEDS))
+
+
+def read(path):
+    with path.open(encoding='utf-8', newline='') as file:
+        return list(csv.DictReader(file))
+
+
+def test_every_radius_and_speed_has_its_row(found, tmp_path):
+    write_tables(found, tmp_path)
+    rows = read(tmp_path / 'map.csv')
+    assert [(float(row['radius']), float(row['speed'])) for row in rows] == list(itertools.product(RADII, SPEEDS))
+    for row in rows:
+        turn = steady_turn(CAR, float(row['radius']), float(row['speed']), SNOW)
+        assert row['exists'] == ('false' if turn is None else 'true')
+        if turn is None:
+            assert row['stable'] == 'false'
+            assert float(row['margin']) < 0.0
+            assert set(list(row.values())[5:]) == {''}
+            continue
+        assert row['stable'] == str(turn.stable).lower()
+        assert float(row['decay_rate']) == pytest.approx(turn.decay_rate, rel=1e-5)
+        assert float(row['path_radius']) == pytest.approx(turn.path_radius, rel=1e-6)
+        values = complex(float(row['eigenvalue_1_real']), float(row['eigenvalue_1_imag']))
+        assert min(abs(values - expected) for expected in turn.eigenvalues) < 1e-5 * abs(values)
+        for wheel, slip, region in zip(WHEELS, turn.side_slip, turn.region, strict=True):
+            assert float(row[f'side_slip_{wheel}']) == pytest.approx(slip, rel=1e-6)
+            assert row[f'region_{wheel}'] == region.name.lower()
+
+
+def test_every_radius_has_its_limit(found, tmp_path):
+    write_tables(found, tmp_path)
+    limits = read(tmp_path / 'limit.csv')
+    for row, radius in zip(limits, RADII, strict=True):
+        limit = limit_speed(CAR, radius, SNOW)
+        assert float(row['radius']) == radius
+        if limit.speed is None or limit.speed > SPEEDS[-1]:
+            assert (row['limit_speed'], row['cause'], row['path_radius']) == ('', '', '')
+            continue
+        assert row['cause'] == limit.cause
+        assert float(row['limit_speed']) == pytest.approx(limit.speed, abs=1e-4)
+        first = float(row['nonlinear_speed'])
+        assert max(steady_turn(CAR, radius, first + 1e-3, SNOW).region) == 1
+        assert max(steady_turn(CAR, radius, first - 4e-3, SNOW).region) == 0
+    assert [row['cause'] for row in limits] == ['fold', 'fold', 'fold', 'sliding', '']
+
+
+def test_a_field_meets_the_turns_and_stays_as_it_was_beyond_the_last_one(found):
+    speeds = np.array([1.0, 4.0, 12.9])
+    slip = field(found, worst_slip, speeds)
+    assert slip.shape == (3, 5)
+    assert slip[0] == pytest.approx([worst_slip(steady_turn(CAR, radius, 1.0, SNOW)) for radius in RADII])
+    last = steady_turn(CAR, 2.0, limit_speed(CAR, 2.0, SNOW).speed, SNOW)
+    assert slip[1:, 0] == pytest.approx(worst_slip(last), rel=1e-3)
+    assert slip[2, 4] == pytest.approx(worst_slip(steady_turn(CAR, 30.0, 12.9, SNOW)), rel=0.02)
+
+
+def test_progress_comes_radius_by_radius():
+    done = []
+    turn_map(MapRequest('', CAR, Environment(), (20.0, 30.0), (1.0, 2.0)), done.append)
+    assert done == [0, 1, 2]
+
+
+def test_a_road_without_grip_gives_an_empty_map(tmp_path):
+    ice = turn_map(MapRequest('ice', CAR, Environment(bank=0.3, friction=(0.05,) * 4), (5.0, 6.0), (1.0, 2.0)))
+    write_tables(ice, tmp_path)
+    assert {row['exists'] for row in read(tmp_path / 'map.csv')} == {'false'}
+    assert {row['limit_speed'] for row in read(tmp_path / 'limit.csv')} == {'0'}
+    assert np.all(np.isnan(field(ice, worst_slip, np.array([1.0, 2.0]))))
+
+
+def test_the_picture_shows_limits_and_where_there_is_no_turn(found):
+    with house_style():
+        figure = draw_map(found)
+    left, right = figure.axes[:2]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert {'no steady turn', 'limit speed: fold', 'limit speed: sliding', 'a tyre slides'} <= set(labels)
+    for axes in (left, right):
+        limit = next(line for line in axes.get_lines() if line.get_label() == 'limit speed: fold')
+        drawn = [speed for speed in limit.get_ydata() if math.isfinite(speed)]
+        assert drawn == pytest.approx([limit_speed(CAR, radius, SNOW).speed for radius in RADII[:3]], abs=1e-4)
+        assert axes.get_xlim() == (2.0, 30.0)
+        assert axes.get_ylim() == (1.0, 13.0)
+
+
+@pytest.mark.parametrize('text', ['2', '2:', ':', 'a:b', '1:2:3', '0:5', '5:2', '3:3', '-2:2', 'nan:2', '1:inf', ''])
+def test_what_is_no_range_is_refused(text):
+    with pytest.raises(ParameterError, match='--radius'):
+        even_grid('--radius', text)
+
+
+def test_a_request_is_checked_before_anything_is_done():
+    request = read_request(None, ['mass=1400'], 0.5, '0.8:8', '1:5')
+    assert request.vehicle == VehicleParameters(mass=1400.0)
+    assert request.environment == SNOW
+    assert request.title == 'default vehicle, mass=1400, friction 0.5'
+    assert (request.radii[0], request.radii[-1]) == (0.8, 8.0)
+    assert np.ptp(np.diff(request.speeds)) == pytest.approx(0.0, abs=1e-12)
+    with pytest.raises(CommandError, match=r'0\.718'):
+        read_request(None, [], 0.9, '0.5:8', '1:5')
+    with pytest.raises(ParameterError, match='friction'):
+        read_request(None, [], 3.0, '2:8', '1:5')

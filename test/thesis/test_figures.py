@@ -1,0 +1,151 @@
+"""The registry of figures, what a figure becomes, and the command that makes it."""
+
+import csv
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from omni_vehicle_ros.analysis.style import house_style
+from omni_vehicle_ros.errors import RunError
+from omni_vehicle_ros.thesis.chart import Chart, Line
+from omni_vehicle_ros.thesis.figure import Picture, ThesisFigure
+from omni_vehicle_ros.thesis.files import draw
+from omni_vehicle_ros.thesis.registry import CHAPTERS, FIGURES, SECTIONS, chosen
+from omni_vehicle_ros.thesis.tasks import Results, Run
+from omni_vehicle_ros.thesis.words import listed, number, percent
+
+NUMBERED = re.compile(r'\d+\.\d+')
+DIAGRAMS = ('5.1', '5.2')
+
+
+def thesis(path: Path, *arguments: str) -> 'subprocess.CompletedProcess[str]':
+    command = [sys.executable, '-m', 'omni_vehicle_ros.executables', 'cli', 'thesis', *arguments]
+    return subprocess.run(command, cwd=path, capture_output=True, text=True, timeout=300, check=False)
+
+
+def say_finite_numbers(sentence: str) -> bool:
+    return bool(re.search(r'\d', sentence)) and not re.search(r'\b(nan|inf|None)\b', sentence)
+
+
+def test_every_figure_of_the_thesis_is_there_once() -> None:
+    numbers = [figure.number for section in SECTIONS for figure in section.figures]
+    expected = [f'4.{i}' for i in range(1, 55)] + [f'5.{i}' for i in range(1, 14)]
+    assert [number for number in numbers if NUMBERED.fullmatch(number)] == expected
+    assert len(set(numbers)) == len(numbers)
+
+
+def test_captions_say_what_differs() -> None:
+    captions = [figure.caption for figure in FIGURES.values()]
+    assert all(captions)
+    # The same steer angles are drawn twice for the same turn, as in the thesis.
+    assert len(set(captions)) >= len(captions) - 1
+
+
+def test_every_run_of_a_figure_can_be_loaded() -> None:
+    runs = {task for figure in FIGURES.values() for task in figure.needs if isinstance(task, Run)}
+    assert len(runs) > 30
+    for task in runs:
+        assert task.load().duration > 0.0
+
+
+def test_figures_are_chosen_by_number_or_chapter() -> None:
+    assert [figure.number for figure in chosen('4.15')] == ['4.15']
+    assert len(chosen()) == len(FIGURES)
+    for chapter in CHAPTERS:
+        numbers = [figure.number for figure in chosen(chapter=chapter)]
+        assert {number.split('.')[0] for number in numbers if NUMBERED.fullmatch(number)} == {chapter}
+    with pytest.raises(RunError, match=r'4\.55'):
+        chosen('4.55')
+    with pytest.raises(RunError, match="'6' is not one of 4, 5"):
+        chosen(chapter='6')
+    with pytest.raises(RunError, match='one of them'):
+        chosen('4.15', '4')
+
+
+def test_a_picture_and_its_table_show_the_same(tmp_path: Path) -> None:
+    x = np.linspace(0.0, 2.0, 5)
+    lines = (Line('one', x**2, '#000000'), Line('gap', np.where(x > 1.0, x, np.nan), '#000000'))
+    chart = Chart(lines, x, 'side slip [deg]', difference=True)
+    shown = draw(ThesisFigure('9.1', 'Test', lambda results: chart.picture('seen')), Results({}), tmp_path)
+    assert shown.has_table
+    with (tmp_path / '9.1.csv').open(encoding='utf-8') as file:
+        header, *rows = csv.reader(file)
+    assert header == ['time [s]', 'one: side slip [deg]', 'gap: side slip [deg]']
+    assert_allclose([float(row[1]) for row in rows], x**2)
+    assert [row[2] for row in rows] == ['', '', '', '1.5', '2']
+    assert ElementTree.parse(tmp_path / '9.1.svg').getroot().tag.endswith('svg')
+
+
+def test_a_chart_draws_every_line_and_their_difference() -> None:
+    x = np.linspace(0.0, 1.0, 11)
+    chart = Chart((Line('a', 3.0 * x, '#000000'), Line('b', x, '#000000')), x, 'side slip [deg]', difference=True)
+    upper, lower = chart.draw().axes
+    assert [entry.get_label() for entry in upper.lines] == ['a', 'b']
+    assert_allclose(lower.lines[0].get_ydata(), 2.0 * x)
+    assert lower.get_ylabel() == 'difference [°]'
+
+
+@pytest.mark.parametrize('name', DIAGRAMS)
+def test_diagrams_have_no_data(name: str, tmp_path: Path) -> None:
+    shown = draw(FIGURES[name], Results({}), tmp_path)
+    assert say_finite_numbers(shown.sentence)
+    assert not shown.has_table
+    assert [path.name for path in tmp_path.iterdir()] == [f'{name}.svg']
+
+
+def test_the_force_coefficient_is_that_of_the_vehicle(tmp_path: Path) -> None:
+    with house_style():
+        picture: Picture = FIGURES['4.25'].draw(Results({}))
+    angle, value = picture.table['airflow angle [deg]'], picture.table['Cy [1]']
+    assert np.interp(math.degrees(0.3455), angle, value) == pytest.approx(0.58, rel=1e-2)
+    assert say_finite_numbers(picture.sentence)
+
+
+def test_numbers_are_said_with_few_digits() -> None:
+    assert [number(value) for value in (0.0, 1e-9, 3.14159, -0.0012345, 1234.5, None, math.nan)] == [
+        '0', '0', '3.14', '\u22120.00123', '1230', '\u2013', '\u2013',
+    ]  # fmt: skip
+    assert [percent(share) for share in (0.1234, 1e-4)] == ['12\u00a0%', '0\u00a0%']
+    assert listed(['a']) == 'a'
+    assert listed(['a', 'b', 'c']) == 'a, b and c'
+
+
+def test_the_command_draws_one_figure(tmp_path: Path) -> None:
+    done = thesis(tmp_path, '--figure', '4.33', '--out', 'out')
+    assert done.returncode == 0, done.stderr
+    assert 'out/index.html' in done.stdout
+    assert sorted(path.relative_to(tmp_path / 'out').as_posix() for path in (tmp_path / 'out').rglob('*.*')) == [
+        'figures/4.33.csv', 'figures/4.33.svg', 'index.html',
+    ]  # fmt: skip
+    with (tmp_path / 'out' / 'figures' / '4.33.csv').open(encoding='utf-8') as file:
+        header, *rows = csv.reader(file)
+    assert header[0] == 'time [s]'
+    assert len(rows) > 1000
+    assert float(rows[-1][1]) == pytest.approx(math.degrees(math.atan2(1.0, 10.0 - 0.718)), rel=1e-5)
+    page = (tmp_path / 'out' / 'index.html').read_text(encoding='utf-8')
+    assert page.count('<figure ') == 1
+    assert 'figures/4.33.svg' in page
+    assert 'Claims' not in page
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'words'),
+    [
+        (('--figure', '4.55'), '4.55'),
+        (('--figure', '4.25', '--out', 'there'), 'there: exists already'),
+    ],
+)
+def test_what_is_wrong_is_one_line(tmp_path: Path, arguments: tuple[str, ...], words: str) -> None:
+    (tmp_path / 'there').mkdir()
+    done = thesis(tmp_path, *arguments)
+    assert done.returncode == 2
+    assert words in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ['there']
