@@ -1,6 +1,5 @@
 """What acts on the vehicle from outside: bank angle of the road and lateral wind (thesis sec. 4.4)."""
 
-import bisect
 import math
 from typing import NamedTuple
 
@@ -39,12 +38,6 @@ def beaufort(number: int) -> WindLevel:
         raise ParameterError(f'beaufort number: {number!r} is outside 0 .. {2 * len(WIND_BOUNDS) - 3}')
     line = number // 2
     return WindLevel(WIND_CLASSES[line // 4], WIND_BOUNDS[line], WIND_BOUNDS[line + 1])
-
-
-def beaufort_number(speed: float) -> int:
-    """Return the even Beaufort number whose line of Table 4.1 holds a wind speed [m/s]; the last one beyond."""
-    line = bisect.bisect_right(WIND_BOUNDS, abs(speed)) - 1
-    return 2 * min(line, len(WIND_BOUNDS) - 2)
 
 
 def bank_force(bank: float, constants: Constants) -> float:

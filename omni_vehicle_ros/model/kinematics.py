@@ -42,14 +42,6 @@ class Steering(NamedTuple):
     reachable: tuple[bool, bool, bool, bool]
 
 
-def icr_of_twist(twist: Twist) -> Icr | None:
-    """Return the ICR of a motion, (-vy / r, vx / r); None if it is at infinity or too far for a float."""
-    if twist.r == 0.0:
-        return None
-    icr = Icr(-twist.vy / twist.r, twist.vx / twist.r)
-    return icr if math.isfinite(icr.x) and math.isfinite(icr.y) else None
-
-
 def twist_of_icr(icr: Icr, speed: float, straight_radius: float = math.inf) -> Twist:
     """Return the motion about an ICR at a speed of the centre of gravity.
 
