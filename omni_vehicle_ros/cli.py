@@ -96,12 +96,14 @@ def start(
         f'starting; publish on driver/icr and driver/speed, or on cmd_vel, to drive; Ctrl-C ends. Results: {directory}',
         flush=True,
     )
-    start_vehicle(loaded, directory, namespace=namespace, publish_clock=clock)
+    dead = start_vehicle(loaded, directory, namespace=namespace, publish_clock=clock)
     from omni_vehicle_ros.console import complaints
 
     for line in complaints(directory):
         print(line)
     print(f'bag     {directory / "bag"}\nreport  {directory / "report.html"}')
+    if dead:
+        raise RunError('; '.join(dead))
 
 
 @app.command()

@@ -88,7 +88,7 @@ def check_loop(scenario: Scenario, mode: str = 'processes') -> None:
     Raises
     ------
     RunError
-        A proportional gain is at the limit or beyond it.
+        Proportional and derivative gain of a wheel are at the limit or beyond it.
     ScenarioError
         An offline run has gains without an exact form.
     """
@@ -101,11 +101,15 @@ def check_loop(scenario: Scenario, mode: str = 'processes') -> None:
         return
     if scenario.side_slip.controller != 'wheel_slip':
         return
-    gain, limit = max(scenario.side_slip.proportional_gains), side_slip_gain_limit(IDEAL, 0.0, 1.0)
+    # From one cycle to the next a derivative acts as a proportional gain of its own over its filter.
+    law = scenario.side_slip
+    pairs = zip(law.proportional_gains, law.derivative_gains, strict=True)
+    gain, limit = max(p + d / law.derivative_time_constant for p, d in pairs), side_slip_gain_limit(IDEAL, 0.0, 1.0)
     if gain >= limit:
         raise RunError(
-            f'side_slip.proportional_gains: {gain:g} is not below {limit:g}, where the sampled loop diverges with '
-            'ideal actuators; set wheel_module.ideal_actuators=false, or solve it exactly by --mode offline'
+            f'side_slip: proportional gain plus derivative gain over its time constant, {gain:g}, is not below '
+            f'{limit:g}, where the sampled loop diverges with ideal actuators; set wheel_module.ideal_actuators=false, '
+            'or solve it exactly by --mode offline, without derivative'
         )
 
 
@@ -217,8 +221,15 @@ def _salvage(directory: Path, scenario: Scenario) -> str:
     return f'; what was recorded before: {directory / "report.html"}'
 
 
-def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', publish_clock: bool = True) -> None:
+def start_vehicle(
+    scenario: Scenario, directory: Path, *, namespace: str = '', publish_clock: bool = True
+) -> tuple[str, ...]:
     """Start the vehicle of a scenario in real time without a driver; record until a signal comes, then analyse.
+
+    Returns
+    -------
+    tuple of str
+        A line for each node that ended before its time.
 
     Raises
     ------
@@ -251,6 +262,7 @@ def start_vehicle(scenario: Scenario, directory: Path, *, namespace: str = '', p
     driven = replace(driven, duration=ended)
     (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
     analyse(directory, driven)
+    return tuple(graph.dead.values())
 
 
 def recorded_time(directory: Path) -> float | None:

@@ -3,14 +3,16 @@
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from types import TracebackType
 from typing import Any, TypeVar
 
 from omni_vehicle_ros.errors import RunError
-from omni_vehicle_ros.executables import ENDING
+from omni_vehicle_ros.executables import ENDING, hold_signals, release_signals
 from omni_vehicle_ros.model.warm import warm
 from omni_vehicle_ros.thesis.tasks import Results, Task
 
@@ -26,11 +28,11 @@ def cores() -> int:
 
 
 class Workers:
-    """A pool of processes for a ``with`` block; an exception in it ends them without the work that waits."""
+    """A pool of processes for a ``with`` block; an exception in it ends them at once."""
 
     def __init__(self) -> None:
         warm()  # or each of them would compile the physics where nobody has done it yet
-        self._pool = ProcessPoolExecutor(cores(), multiprocessing.get_context('spawn'), _leave_signals_to_the_parent)
+        self._pool = ProcessPoolExecutor(cores(), multiprocessing.get_context('spawn'), _leave_ctrl_c_to_the_parent)
 
     def __enter__(self) -> 'Workers':
         """Give the workers."""
@@ -39,7 +41,11 @@ class Workers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """End the workers; what they are at is finished first."""
+        """End the workers, by force if there is an exception."""
+        if error is not None:
+            # One that was ended half way may hold a lock that the others wait for: none of them can be asked to end.
+            for worker in multiprocessing.active_children():
+                worker.kill()
         self._pool.shutdown(cancel_futures=True)
 
     def results(self, tasks: Sequence[Task[Any]], done: Done) -> Results:
@@ -57,11 +63,15 @@ class Workers:
         RunError
             A worker ended before its time.
         """
-        return Results(self._gathered({task: self._pool.submit(_work, task) for task in tasks}, done))
+        with _uninterrupted_start():
+            futures = {task: self._pool.submit(_work, task) for task in tasks}
+        return Results(self._gathered(futures, done))
 
     def each(self, jobs: Mapping[K, tuple[Any, ...]], job: Callable[..., T], done: Done) -> dict[K, T]:
         """Call a function with each of several lists of arguments, and return what it returns by their keys."""
-        return self._gathered({key: self._pool.submit(job, *arguments) for key, arguments in jobs.items()}, done)
+        with _uninterrupted_start():
+            futures = {key: self._pool.submit(job, *arguments) for key, arguments in jobs.items()}
+        return self._gathered(futures, done)
 
     def _gathered(self, futures: Mapping[K, 'Future[T]'], done: Done) -> dict[K, T]:
         try:
@@ -76,6 +86,26 @@ def _work(task: Task[T]) -> T:
     return task.work()
 
 
-def _leave_signals_to_the_parent() -> None:
-    for number in ENDING:
-        signal.signal(number, signal.SIG_IGN)
+@contextmanager
+def _uninterrupted_start() -> Iterator[None]:
+    """Start workers whole: Ctrl-C, which all processes get, must hit neither them before they are up nor their start.
+
+    Workers inherit that signals are held. Here they still come, by way of other threads, and are kept for the end.
+    """
+    came: list[int] = []
+    before = {number: signal.signal(number, lambda number, _: came.append(number)) for number in ENDING}
+    resource_tracker.ensure_running()  # it would let the signals through on its own start
+    hold_signals()
+    try:
+        yield
+    finally:
+        release_signals()
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(came[0])
+
+
+def _leave_ctrl_c_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    release_signals()

@@ -86,6 +86,14 @@ def test_gains_with_a_past_have_no_exact_form(name):
         record(scenario)
 
 
+def test_a_derivative_gain_counts_over_its_time_constant():
+    settings = (*CONTROLLED, 'side_slip.derivative_gains=[0, 0.03, 0, 0]')
+    check_loop(load_scenario('simple_turning', (*settings, 'side_slip.proportional_gains=[0, 0.3, 0, 0]')))
+    more = load_scenario('simple_turning', (*settings, 'side_slip.proportional_gains=[0, 0.5, 0, 0]'))
+    with pytest.raises(RunError, match=r'1.1, is not below 1'):
+        check_loop(more)
+
+
 @pytest.mark.parametrize('gain', [0.9, 1.0, 5.0])
 def test_the_sampled_loop_with_ideal_actuators_is_refused_from_its_limit_on(gain):
     scenario = load_scenario('simple_turning', (*CONTROLLED, f'side_slip.proportional_gains=[0, 0, {gain}, 0]'))
@@ -93,7 +101,7 @@ def test_the_sampled_loop_with_ideal_actuators_is_refused_from_its_limit_on(gain
     if gain < 1.0:
         check_loop(scenario)
         return
-    with pytest.raises(RunError, match=rf'{gain:g} is not below 1, .*--mode offline'):
+    with pytest.raises(RunError, match=rf'{gain:g}, is not below 1, .*--mode offline'):
         check_loop(scenario)
     check_loop(load_scenario('simple_turning', (*CONTROLLED, 'wheel_module.ideal_actuators=false')))
     check_loop(load_scenario('simple_turning', (*CONTROLLED, 'side_slip.controller=rear_steering')))

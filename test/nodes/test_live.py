@@ -49,6 +49,20 @@ def test_anyone_can_drive(lab: Lab) -> None:
     )
 
 
+def test_a_vehicle_that_loses_a_node_says_which(lab: Lab) -> None:
+    """Kill the side-slip controller of a started vehicle: it drives on, and in the end names it, with exit code 2."""
+    vehicle = lab.command('start', '--out', 'run')
+    until(lambda: (lab.path / 'run' / 'bag' / 'bag_0.mcap').exists(), 'the vehicle to be up')
+    (controller,) = [pid for pid in lab.left() if b'side_slip_controller' in Path(f'/proc/{pid}/cmdline').read_bytes()]
+    os.kill(controller, signal.SIGKILL)
+    until(lambda: controller not in lab.left(), 'the end of the controller')
+    until(lambda: bool(diagnostics(lab.path / 'run' / 'bag')), 'someone who misses it')
+    vehicle.send_signal(signal.SIGINT)
+    _, errors = finish(vehicle, 2)
+    assert 'side_slip_controller' in errors
+    assert (lab.path / 'run' / 'report.html').is_file()
+
+
 BAD = """
 import sys, time, math, rclpy
 from geometry_msgs.msg import PointStamped, TwistStamped, WrenchStamped, Vector3Stamped
