@@ -57,7 +57,7 @@ class Journal:
         if topic == 'joint_states':
             self.now = max(self.now, stamp)
             self._write(self.now - SETTLE * self.period)
-        elif abs(stamp - self.now) > FOREIGN or (stamp == 0 and self.now > self.period):
+        elif abs(stamp - self.now) > FOREIGN or (stamp == 0 and self.now > SETTLE * self.period):
             stamp = self.now
         if self._cyclic[index]:
             self._count(index, stamp)

@@ -78,3 +78,14 @@ def test_stamps_of_other_clocks_are_logged_at_simulated_time() -> None:
         journal.add('driver/icr', encode('geometry_msgs/msg/PointStamped', Point(stamp, 0.0, 5.0)))
     journal.flush()
     assert [row[2] for row in memory.rows if row[0] == '/driver/icr'] == [399 * PERIOD] * 2
+
+
+def test_what_was_said_at_the_start_is_logged_there_however_late_it_comes() -> None:
+    """In lock step the plant may be cycles ahead when the first message of another node comes in."""
+    memory = Memory()
+    journal = Journal(memory, '', PERIOD)
+    for number in range(16):
+        journal.add(*message('joint_states', number * PERIOD))
+    journal.add(*message('/diagnostics', 0, 'a'))
+    journal.flush()
+    assert [row[2] for row in memory.rows if row[0] == '/diagnostics'] == [0]
