@@ -16,7 +16,7 @@ TASKS = tuple(
 """Of a dry road and of snow; radii of the thesis [m]; where the search ends."""
 
 _CAUSES = {
-    'fold': 'there is no steady turn any more',
+    'fold': 'the steady turn that slow driving leads to ends',
     'divergence': 'the vehicle diverges',
     'oscillation': 'the vehicle oscillates more and more',
     'sliding': 'both tyres of an axle slide',
