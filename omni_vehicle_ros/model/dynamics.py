@@ -88,13 +88,13 @@ def evaluation(
     contacts = wheel_contacts(state, inputs, environment, constants, constant_speed)
     ay, forces = solve(contacts, constants)
     force_fl, force_fr, force_rl, force_rr = forces
-    angle, trims = inputs.steer_angle, _trims(contacts, ay, constants)
+    angle, added = inputs.steer_angle, trims(contacts, constants.roll_per_acceleration * ay, constants)
     contacts = _trimmed(contacts, ay, constants)
     fl, fr, rl, rr = contacts
     loads = vertical_loads(ay, fl.load, rl.load, constants)
-    cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
+    cos_front, sin_front, cos_rear, sin_rear = roll_steer(constants.roll_per_acceleration * ay, constants)
     return Evaluation(
-        steer_angle=(angle[0] + trims[0], angle[1] + trims[1], angle[2] + trims[2], angle[3] + trims[3]),
+        steer_angle=(angle[0] + added[0], angle[1] + added[1], angle[2] + added[2], angle[3] + added[3]),
         side_slip=(
             side_slip(fl, cos_front, sin_front, constants),
             side_slip(fr, cos_front, sin_front, constants),
@@ -128,7 +128,7 @@ def state_rate(
     force_x, moment = body_force_and_moment(contacts, forces, constants)
     wind = wind_force(environment.wind, state.vx, constants)
     side_force = bank_force(environment.bank, constants) + wind
-    cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
+    cos_front, sin_front, cos_rear, sin_rear = roll_steer(constants.roll_per_acceleration * ay, constants)
     cos_psi, sin_psi = math.cos(state.psi), math.sin(state.psi)
     return State(
         0.0 if constant_speed else force_x / constants.mass + state.vy * state.r,
@@ -172,7 +172,7 @@ def _largest_acceleration(contacts: Contacts, constants: Constants) -> float:
 def _response(ay: float, contacts: Contacts, constants: Constants) -> tuple[float, WheelForces]:
     """Return the lateral acceleration and the forces of tyres loaded, roll-steered and trimmed as by ``ay``."""
     fl, fr, rl, rr = _trimmed(contacts, ay, constants)
-    cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
+    cos_front, sin_front, cos_rear, sin_rear = roll_steer(constants.roll_per_acceleration * ay, constants)
     load_fl, load_fr, load_rl, load_rr = vertical_loads(ay, fl.load, rl.load, constants)
     force_fl = wheel_force(fl, cos_front, sin_front, load_fl, constants)
     force_fr = wheel_force(fr, cos_front, sin_front, load_fr, constants)
@@ -182,9 +182,10 @@ def _response(ay: float, contacts: Contacts, constants: Constants) -> tuple[floa
     return total / constants.mass, (force_fl, force_fr, force_rl, force_rr)
 
 
-def _trims(contacts: Contacts, ay: float, constants: Constants) -> PerWheel:
+def trims(contacts: Contacts, roll: float, constants: Constants) -> PerWheel:
+    """Return what exact side-slip control adds to the steer angles at a roll angle [rad]."""
     fl, fr, rl, rr = contacts
-    cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
+    cos_front, sin_front, cos_rear, sin_rear = roll_steer(roll, constants)
     return (
         trim(fl, cos_front, sin_front),
         trim(fr, cos_front, sin_front),
@@ -198,7 +199,7 @@ def _trimmed(contacts: Contacts, ay: float, constants: Constants) -> Contacts:
     fl, fr, rl, rr = contacts
     if fl.trim_share == fr.trim_share == rl.trim_share == rr.trim_share == 0.0:
         return contacts
-    cos_front, sin_front, cos_rear, sin_rear = _roll_steer(ay, constants)
+    cos_front, sin_front, cos_rear, sin_rear = roll_steer(constants.roll_per_acceleration * ay, constants)
     return (
         trimmed(fl, cos_front, sin_front),
         trimmed(fr, cos_front, sin_front),
@@ -212,9 +213,8 @@ def leftward(contact: Contact, force: Pair) -> float:
     return force[0] * contact.sin_steer + force[1] * contact.cos_steer
 
 
-def _roll_steer(ay: float, constants: Constants) -> tuple[float, float, float, float]:
-    """Return cosine and sine of the roll steer of the front wheels, then of the rear ones."""
-    roll = constants.roll_per_acceleration * ay
+def roll_steer(roll: float, constants: Constants) -> tuple[float, float, float, float]:
+    """Return cosine and sine of the roll steer of the front wheels, then of the rear ones, at a roll angle [rad]."""
     front, rear = constants.front_roll_steer * roll, constants.rear_roll_steer * roll
     return math.cos(front), math.sin(front), math.cos(rear), math.sin(rear)
 

@@ -46,7 +46,7 @@ Written in the part of Python that numba compiles, like the dynamics in the plan
 import math
 from typing import NamedTuple
 
-from omni_vehicle_ros.model.contact import Contact, trim, trimmed, turned
+from omni_vehicle_ros.model.contact import Contact, trimmed, turned
 from omni_vehicle_ros.model.disturbances import bank_force, wind_force, wind_moment
 from omni_vehicle_ros.model.dynamics import (
     NO_DRIVE,
@@ -58,6 +58,8 @@ from omni_vehicle_ros.model.dynamics import (
     WheelForces,
     body_force_and_moment,
     leftward,
+    roll_steer,
+    trims,
     use_of_friction,
     wheel_contacts,
 )
@@ -90,7 +92,7 @@ def evaluation(
 ) -> Evaluation:
     """Return slips, forces and loads at one instant, as the evaluation in the plane does."""
     set_points = _set_points(state, inputs, environment, constants, constant_speed)
-    trims = _trims(set_points, state.roll, constants)
+    added = trims(set_points, state.roll, constants.plane)
     wheels = _wheels(set_points, state, constants)
     ay, forces = _solve(wheels, constants)
     fl, fr, rl, rr, _, _ = wheels
@@ -98,7 +100,7 @@ def evaluation(
     loads = _loads(ay, wheels, constants)
     angle, contacts = inputs.steer_angle, _contacts_of(wheels)
     return Evaluation(
-        steer_angle=(angle[0] + trims[0], angle[1] + trims[1], angle[2] + trims[2], angle[3] + trims[3]),
+        steer_angle=(angle[0] + added[0], angle[1] + added[1], angle[2] + added[2], angle[3] + added[3]),
         side_slip=(
             side_slip(fl, constants),
             side_slip(fr, constants),
@@ -240,7 +242,7 @@ def _set_points(
 
 def _wheels(set_points: Contacts, state: EightDofState, constants: EightDofConstants) -> Wheels:
     fl, fr, rl, rr = set_points
-    cos_front, sin_front, cos_rear, sin_rear = _roll_steer(state.roll, constants)
+    cos_front, sin_front, cos_rear, sin_rear = roll_steer(state.roll, constants.plane)
     roll, rate = state.roll, state.roll_rate
     return Wheels(
         _wheel(fl, 0, cos_front, sin_front, state, constants),
@@ -275,19 +277,3 @@ def _wheel(
     )
     return Wheel(contact, constants.wheel_radius * state.spin[number], state.long_deflection[number])
 
-
-def _trims(set_points: Contacts, roll: float, constants: EightDofConstants) -> PerWheel:
-    fl, fr, rl, rr = set_points
-    cos_front, sin_front, cos_rear, sin_rear = _roll_steer(roll, constants)
-    return (
-        trim(fl, cos_front, sin_front),
-        trim(fr, cos_front, sin_front),
-        trim(rl, cos_rear, sin_rear),
-        trim(rr, cos_rear, sin_rear),
-    )
-
-
-def _roll_steer(roll: float, constants: EightDofConstants) -> tuple[float, float, float, float]:
-    """Return cosine and sine of the roll steer of the front wheels, then of the rear ones."""
-    front, rear = constants.plane.front_roll_steer * roll, constants.plane.rear_roll_steer * roll
-    return math.cos(front), math.sin(front), math.cos(rear), math.sin(rear)
