@@ -1,10 +1,13 @@
 """Entry points of all executables; they import late, so that a signal during a start ends it without a trace."""
 
 import importlib
+import os
 import signal
 import sys
 
 ENDING = (signal.SIGINT, signal.SIGTERM)
+EXIT_SIGNAL = 128
+"""Plus the number of the signal: exit code of a command that a signal ended, as shells have it."""
 
 
 def hold_signals() -> None:
@@ -18,8 +21,11 @@ def release_signals() -> None:
 
 
 def main(module: str) -> None:
-    """Run the ``main`` of a module of this package."""
-    hold_signals()
+    """Run the ``main`` of a module of this package; until that handles signals, one ends the process at once."""
+    usual = module.startswith('nodes.')  # a signal is how a node ends, while a command has not done what it was to do
+    for number in ENDING:
+        signal.signal(number, lambda number, _: os._exit(0 if usual else EXIT_SIGNAL + number))
+    release_signals()
     importlib.import_module(f'omni_vehicle_ros.{module}').main()
 
 

@@ -59,7 +59,7 @@ class Graph:
         namespace: str = '',
         publish_clock: bool = True,
     ) -> None:
-        self.interrupted = False
+        self.interrupted = 0  # or the number of the signal
         self.messages, self.lost = 0, 0
         self.dead: dict[str, str] = {}
         self._moving = DRIVER not in participants
@@ -91,7 +91,7 @@ class Graph:
                 signal.signal(number, handler)
 
     def _interrupt(self, number: int, frame: Any) -> None:
-        self.interrupted = True
+        self.interrupted = self.interrupted or number
 
     def _start(self) -> None:
         if self._one_process:
@@ -143,7 +143,7 @@ class Graph:
                 self._note_death(role, f'{role} ended with code {code}{self._last_words(role)}')
 
     def _note_death(self, role: str, text: str) -> None:
-        """Go on without a node that the others can do without; it is named on /diagnostics, too."""
+        """Go on without a node that the others can do without; those who miss it name it on /diagnostics."""
         if role in (PLANT, DRIVER, RECORDER, 'vehicle') or not self._moving:
             raise RunError(text)
         self.dead.setdefault(role, text)

@@ -1,27 +1,45 @@
 """Runs a scenario: in processes, in one process or in plain Python; bag, metrics and report in the end."""
 
 import json
+import os
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from omni_vehicle_ros.control.stability import side_slip_gain_limit
-from omni_vehicle_ros.errors import OmniVehicleError, RunError
+from omni_vehicle_ros.control.loop_check import check_gains
+from omni_vehicle_ros.errors import OmniVehicleError, ParameterError, RunError
 from omni_vehicle_ros.interface import DRIVER, NODES, SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.scenarios import Scenario
 
+if TYPE_CHECKING:
+    from omni_vehicle_ros.graph import Graph
+
 MODES = ('processes', 'one-process', 'offline')
 PACINGS = ('lockstep', 'realtime')
-IDEAL = 1e-9  # of a cycle: time constant of an actuator that has none
 
 Progress = Callable[[float], None]
 
 
-class Interrupted(RunError):
-    """A signal ended the run before its time; what was recorded is there."""
+class Interrupted(BaseException):
+    """A signal ended the command before its time; what was recorded is there.
+
+    No `Exception`, as KeyboardInterrupt is none: nobody who tries whether something works may take it for a failure.
+
+    Parameters
+    ----------
+    text
+        What to tell the user.
+    number
+        Of the signal.
+    """
+
+    def __init__(self, text: str, number: int) -> None:
+        super().__init__(text)
+        self.number = number
 
 
 @dataclass(frozen=True)
@@ -83,34 +101,26 @@ def participants(scenario: Scenario) -> tuple[str, ...]:
 
 
 def check_loop(scenario: Scenario, mode: str = 'processes') -> None:
-    """Check that wheel_slip control with ideal actuators is sampled below its limit, or solved exactly.
+    """Check that the loop of the side-slip controller settles: sampled, or solved exactly.
 
     Raises
     ------
     RunError
-        Proportional and derivative gain of a wheel are at the limit or beyond it.
+        Gains are at the limit of the sampled loop or beyond it.
     ScenarioError
         An offline run has gains without an exact form.
     """
-    if not (scenario.side_slip_control and scenario.wheel_module.ideal_actuators):
+    if not scenario.side_slip_control:
         return
     if mode == 'offline':
         from omni_vehicle_ros.simulation import exact_gains
 
-        exact_gains(scenario)
-        return
-    if scenario.side_slip.controller != 'wheel_slip':
-        return
-    # From one cycle to the next a derivative acts as a proportional gain of its own over its filter.
-    law = scenario.side_slip
-    pairs = zip(law.proportional_gains, law.derivative_gains, strict=True)
-    gain, limit = max(p + d / law.derivative_time_constant for p, d in pairs), side_slip_gain_limit(IDEAL, 0.0, 1.0)
-    if gain >= limit:
-        raise RunError(
-            f'side_slip: proportional gain plus derivative gain over its time constant, {gain:g}, is not below '
-            f'{limit:g}, where the sampled loop diverges with ideal actuators; set wheel_module.ideal_actuators=false, '
-            'or solve it exactly by --mode offline, without derivative'
-        )
+        if exact_gains(scenario) is not None:
+            return
+    try:
+        check_gains(scenario.side_slip, scenario.vehicle, scenario.wheel_module, scenario.plant.control_period)
+    except ParameterError as error:
+        raise RunError(f'side_slip.{error}') from None
 
 
 def check_namespace(namespace: str) -> None:
@@ -127,21 +137,32 @@ def check_namespace(namespace: str) -> None:
         )
 
 
-def new_directory(directory: Path) -> Path:
-    """Make the directory of a run.
+@contextmanager
+def new_directory(directory: Path) -> Iterator[None]:
+    """Make a directory for results, for a ``with`` block; take away again, with those above it, what stayed empty.
 
     Raises
     ------
     RunError
         It is there already, or can't be made.
     """
+    made = [path for path in (directory, *directory.parents) if not os.path.exists(path)]
+    try:
+        _make(directory)
+        yield
+    finally:
+        with suppress(OSError):  # the first that holds something is the last to look at
+            for path in made:
+                path.rmdir()
+
+
+def _make(directory: Path) -> None:
     try:
         directory.mkdir(parents=True)
     except FileExistsError:
         raise RunError(f'{directory}: exists already; name a directory that does not') from None
     except OSError as error:
         raise RunError(f'{directory}: {error.strerror}; name a directory that can be made') from None
-    return directory
 
 
 def run_scenario(
@@ -174,42 +195,50 @@ def run_scenario(
     RunError
         The directory exists, a node failed, an offline run was to keep real time, or the side-slip loop would
         diverge.
+    Interrupted
+        A signal ended the nodes.
     """
     if mode == 'offline' and pacing == 'realtime':
         raise RunError('mode offline has no wall clock; choose --pacing lockstep, or --mode processes')
     check_loop(scenario, mode)
     check_namespace(namespace)
-    new_directory(directory)
-    (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
-    progress(0.0)
-    watch = Stopwatch(progress)
-    dead: tuple[str, ...] = ()
-    if mode == 'offline':
-        from omni_vehicle_ros.simulation import simulate
+    with new_directory(directory):
+        (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
+        progress(0.0)
+        watch = Stopwatch(progress)
+        dead: tuple[str, ...] = ()
+        if mode == 'offline':
+            from omni_vehicle_ros.simulation import simulate
 
-        journal = simulate(scenario, directory / 'bag', namespace, watch.advance)
-        messages, lost = journal.written, journal.lost
-    else:
-        from omni_vehicle_ros.graph import Graph
+            journal = simulate(scenario, directory / 'bag', namespace, watch.advance)
+            messages, lost = journal.written, journal.lost
+        else:
+            from omni_vehicle_ros.graph import Graph
 
-        graph = Graph(
-            directory,
-            scenario,
-            participants(scenario),
-            one_process=mode == 'one-process',
-            pacing=pacing,
-            namespace=namespace,
-            publish_clock=publish_clock,
-        )
-        try:
-            graph.run(watch.advance)
-        except RunError as error:
-            raise RunError(f'{error}{_salvage(directory, scenario)}') from None
-        messages, lost, dead = graph.messages, graph.lost, tuple(graph.dead.values())
-        if graph.interrupted:
-            raise Interrupted(f'interrupted; {messages} messages lie in {directory / "bag"}')
-    metrics = analyse(directory, scenario)
-    return RunResult(directory, metrics, messages, lost, dead, watch.start, watch.rate)
+            graph = Graph(
+                directory,
+                scenario,
+                participants(scenario),
+                one_process=mode == 'one-process',
+                pacing=pacing,
+                namespace=namespace,
+                publish_clock=publish_clock,
+            )
+            _drive(graph, directory, scenario, watch.advance)
+            messages, lost, dead = graph.messages, graph.lost, tuple(graph.dead.values())
+        metrics = analyse(directory, scenario)
+        return RunResult(directory, metrics, messages, lost, dead, watch.start, watch.rate)
+
+
+def _drive(graph: 'Graph', directory: Path, scenario: Scenario, progress: Progress) -> None:
+    """Run the nodes to the end of a scenario."""
+    try:
+        graph.run(progress)
+    except RunError as error:
+        raise RunError(f'{error}{_salvage(directory, scenario)}') from None
+    if graph.interrupted:
+        recorded = f'; {graph.messages} messages lie in {directory / "bag"}' if graph.messages else ''
+        raise Interrupted(f'interrupted{recorded}', graph.interrupted)
 
 
 def _salvage(directory: Path, scenario: Scenario) -> str:
@@ -223,13 +252,13 @@ def _salvage(directory: Path, scenario: Scenario) -> str:
 
 def start_vehicle(
     scenario: Scenario, directory: Path, *, namespace: str = '', publish_clock: bool = True
-) -> tuple[str, ...]:
+) -> tuple[str, ...] | None:
     """Start the vehicle of a scenario in real time without a driver; record until a signal comes, then analyse.
 
     Returns
     -------
-    tuple of str
-        A line for each node that ended before its time.
+    tuple of str or None
+        A line for each node that ended before its time; None if the signal came before the vehicle was up.
 
     Raises
     ------
@@ -241,27 +270,27 @@ def start_vehicle(
     nodes = tuple(node for node in participants(scenario) if node != DRIVER)
     check_loop(scenario)
     check_namespace(namespace)
-    new_directory(directory)
     driven = replace(
         scenario, name='start', description='Driven from outside.', commands=(), environment=(), values={}
     )
-    (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
-    graph = Graph(
-        directory,
-        driven,
-        nodes,
-        one_process=False,
-        pacing='realtime',
-        namespace=namespace,
-        publish_clock=publish_clock,
-    )
-    graph.run(lambda time: None)
-    ended = recorded_time(directory)
-    if ended is None:
-        raise Interrupted('stopped before the vehicle was up: there is nothing to analyse')
-    driven = replace(driven, duration=ended)
-    (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
-    analyse(directory, driven)
+    with new_directory(directory):
+        (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
+        graph = Graph(
+            directory,
+            driven,
+            nodes,
+            one_process=False,
+            pacing='realtime',
+            namespace=namespace,
+            publish_clock=publish_clock,
+        )
+        graph.run(lambda time: None)
+        ended = recorded_time(directory)
+        if ended is None:
+            return None
+        driven = replace(driven, duration=ended)
+        (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
+        analyse(directory, driven)
     return tuple(graph.dead.values())
 
 
@@ -269,6 +298,8 @@ def recorded_time(directory: Path) -> float | None:
     """Return how long the vehicle was up in a run [s]; None if it never was."""
     from omni_vehicle_ros.bags import open_bag
 
+    if not (directory / 'bag').exists():
+        return None
     bag = open_bag(directory / 'bag')
     return float(bag['odom'].stamp[-1]) if 'odom' in bag and len(bag['odom']) > 1 else None
 

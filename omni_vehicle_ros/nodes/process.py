@@ -15,7 +15,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from omni_vehicle_ros.errors import OmniVehicleError
-from omni_vehicle_ros.executables import ENDING, release_signals
+from omni_vehicle_ros.executables import ENDING
 from omni_vehicle_ros.nodes.shell import Shell
 
 RCLError = rclpy_implementation.RCLError
@@ -35,7 +35,6 @@ class Stop:
         self._parent = int(os.environ.get(PARENT, '0'))
         for number in ENDING:
             signal.signal(number, self._note)
-        release_signals()
 
     def _note(self, number: int, frame: FrameType | None) -> None:
         self.asked = True

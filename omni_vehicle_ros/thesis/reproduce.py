@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from omni_vehicle_ros.run import new_directory
 from omni_vehicle_ros.thesis import limits
 from omni_vehicle_ros.thesis.claims import CLAIMS
 from omni_vehicle_ros.thesis.figure import ThesisFigure
@@ -50,27 +51,27 @@ class Reproduction:
         Parameters
         ----------
         directory
-            Where ``index.html``, ``figures/`` and, with all figures, ``claims.md`` and ``claims.json`` go; must exist.
+            Where ``index.html``, ``figures/`` and, with all figures, ``claims.md`` and ``claims.json`` go; must not
+            exist.
         progress
             Called with the number of jobs that are done.
 
         Raises
         ------
         RunError
-            A worker process ended before its time.
+            The directory exists, or a worker process ended before its time.
         """
         counter = _Counter(progress)
         pictures = directory / PICTURES
-        pictures.mkdir()
-        with Workers() as workers:
+        with new_directory(directory), new_directory(pictures), Workers() as workers:
             results = workers.results(self._tasks, counter)
             jobs = {entry.number: (entry.number, _part(results, entry), pictures) for entry in self._figures}
             shown = workers.each(jobs, _draw, counter)
-        judged = judge(results) if self._claims else None
-        (directory / 'index.html').write_text(index_page(shown, judged), encoding='utf-8')
-        if judged is not None:
-            (directory / 'claims.md').write_text(claims_page(judged), encoding='utf-8')
-            (directory / 'claims.json').write_text(claims_data(judged), encoding='utf-8')
+            judged = judge(results) if self._claims else None
+            (directory / 'index.html').write_text(index_page(shown, judged), encoding='utf-8')
+            if judged is not None:
+                (directory / 'claims.md').write_text(claims_page(judged), encoding='utf-8')
+                (directory / 'claims.json').write_text(claims_data(judged), encoding='utf-8')
 
 
 class _Counter:

@@ -1,4 +1,7 @@
-"""Signals at any moment: no trace, exit 0, nothing left behind; and what was recorded stays readable."""
+"""Signals at any moment: no trace, nothing left behind, and what was recorded stays readable.
+
+A signal is how a node and ``omni_vehicle start`` end: exit 0. A run that it ends says so by its exit code.
+"""
 
 import itertools
 import os
@@ -49,22 +52,31 @@ def test_a_signal_during_a_start_leaves_no_trace(lab: Lab, moment: int) -> None:
     marks = ('scenario.yaml', 'parameters.yaml', 'log/plant.log', 'bag')
     until(lambda: (lab.path / 'run' / marks[moment]).exists(), marks[moment])
     command.send_signal(signal.SIGINT)
-    _, errors = finish(command)
+    _, errors = finish(command, 128 + signal.SIGINT)
     assert 'interrupted' in errors
     for file in log.glob('*.log'):
         assert 'Traceback' not in file.read_text()
     assert not lab.left()
 
 
-def test_ctrl_c_twice_keeps_the_recording(lab: Lab) -> None:
-    """What was recorded before is complete in the bag."""
+def test_a_second_signal_keeps_the_recording(lab: Lab) -> None:
+    """What was recorded before is complete in the bag; the first one counts."""
     command = lab.command('run', str(lab.scenario(LONG)), '--out', 'run')
     bag = lab.path / 'run' / 'bag' / 'bag_0.mcap'
     until(lambda: bag.exists() and bag.stat().st_size > 200_000, 'a second or two of recording')
     command.send_signal(signal.SIGINT)
-    command.send_signal(signal.SIGINT)
-    finish(command)
+    command.send_signal(signal.SIGTERM)
+    finish(command, 128 + signal.SIGINT)
     assert len(open_bag(bag.parent)['odom'].vx) > 100
+
+
+def test_a_start_may_end_before_the_vehicle_is_up(lab: Lab) -> None:
+    """Nodes that still load end at once."""
+    vehicle = lab.command('start', '--out', 'run')
+    until(lambda: (lab.path / 'run' / 'log' / 'plant.log').exists(), 'the first node')
+    vehicle.send_signal(signal.SIGINT)
+    _, errors = finish(vehicle)
+    assert errors == 'stopped before the vehicle was up: there is nothing to analyse\n'
 
 
 def test_nodes_end_when_their_command_is_killed(lab: Lab) -> None:
