@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from omni_vehicle_ros.model.dynamics import Environment
 from omni_vehicle_ros.model.steady_turn import limit_speed
 from omni_vehicle_ros.parameters import VehicleParameters
 
@@ -21,7 +22,7 @@ def draw_map(path: Path, *arguments: str) -> 'subprocess.CompletedProcess[str]':
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / 'there').mkdir()
-    (tmp_path / 'car.yaml').write_text('/**:\n  ros__parameters:\n    mass: 1500.0\n    pacing: realtime\n')
+    (tmp_path / 'car.yaml').write_text('/**:\n  ros__parameters: {mass: 1500.0, friction: [0.6, 0.6, 0.6, 0.6]}\n')
     return tmp_path
 
 
@@ -34,10 +35,11 @@ def test_a_map_is_drawn_and_its_numbers_lie_beside_it(folder: Path) -> None:
     with (folder / 'map' / 'map.csv').open(newline='') as file:
         points = list(csv.DictReader(file))
     assert len(points) == len(limits) ** 2
-    heavy = VehicleParameters(mass=1500.0)
+    heavy, road = VehicleParameters(mass=1500.0), Environment(friction=(0.6,) * 4)
     for row in (limits[0], limits[-1]):
-        assert float(row['limit_speed']) == pytest.approx(limit_speed(heavy, float(row['radius'])).speed, abs=1e-4)
-    assert 'car, friction 0.9: limit speed' in result.stdout
+        expected = limit_speed(heavy, float(row['radius']), road)
+        assert float(row['limit_speed']) == pytest.approx(expected.speed, abs=1e-4)
+    assert 'car, friction 0.6: limit speed' in result.stdout
     assert f'{float(limits[0]["limit_speed"]):.3f}' in result.stdout
     assert 'map/map.png' in result.stdout
     assert '61 of 61' in result.stderr

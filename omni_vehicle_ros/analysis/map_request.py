@@ -1,7 +1,8 @@
 """What a turn map is to show, as the command line says it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,8 +10,8 @@ import numpy as np
 
 from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.model.dynamics import Environment
-from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
-from omni_vehicle_ros.scenarios.vehicle_file import load_vehicle
+from omni_vehicle_ros.parameters import VehicleParameters
+from omni_vehicle_ros.scenarios.vehicle_file import load_road, load_vehicle
 
 COUNT = 61  # of radii and of speeds
 
@@ -26,16 +27,16 @@ class MapRequest(NamedTuple):
 
 
 def read_request(
-    path: Path | None, overrides: Sequence[str], friction: float, radius: str, speed: str
+    path: Path | None, overrides: Sequence[str], friction: float | None, radius: str, speed: str
 ) -> MapRequest:
     """Read what a map is to show.
 
     Parameters
     ----------
     path, overrides
-        The vehicle; see `load_vehicle`.
+        The vehicle on its road; see `load_vehicle` and `load_road`.
     friction
-        Friction coefficient under all wheels.
+        Friction coefficient under all wheels; None: that of the road.
     radius, speed
         Ranges, such as ``2:20`` [m] and ``0.5:15`` [m/s].
 
@@ -49,14 +50,30 @@ def read_request(
         The file is not about a vehicle.
     """
     vehicle = load_vehicle(path, overrides)
-    road = Environment(friction=PlantParameters(friction=(friction,) * 4).friction)
+    road = _road(path, friction)
     radii, speeds = even_grid('--radius', radius), even_grid('--speed', speed)
     # The compiled physics takes a second to import; what is refused before should not pay for it.
     from omni_vehicle_ros.model.turning import turning
 
     turning(vehicle, radii[0], road)
-    words = [path.stem if path else 'default vehicle', *overrides, f'friction {friction:g}']
+    words = [path.stem if path else 'default vehicle', *overrides, *_in_words(road)]
     return MapRequest(', '.join(words), vehicle, road, radii, speeds)
+
+
+def _road(path: Path | None, friction: float | None) -> Environment:
+    road = load_road(path)
+    if friction is not None:
+        road = replace(road, friction=(friction,) * 4)
+    return Environment(road.bank, road.wind, road.friction)
+
+
+def _in_words(road: Environment) -> Iterator[str]:
+    grips = road.friction[:1] if len(set(road.friction)) == 1 else road.friction
+    yield f'friction {" ".join(f"{grip:g}" for grip in grips)}'
+    if road.bank:
+        yield f'bank {road.bank:g} rad'
+    if road.wind:
+        yield f'wind {road.wind:g} m/s'
 
 
 def even_grid(option: str, text: str) -> tuple[float, ...]:

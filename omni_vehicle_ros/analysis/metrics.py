@@ -1,11 +1,14 @@
 """The figures of a run, from its bag: what ``metrics.json`` holds.
 
 A vehicle is in a steady state at the end if its yaw rate and its lateral speed have settled (see
-`omni_vehicle_ros.analysis.signals.steady_state`), no axle slides (both its tyres do, where more slip gives no more
-force; see `omni_vehicle_ros.model.tyres.region`) and it is no faster than the limit speed of its turn, if that is known
-(see `omni_vehicle_ros.analysis.turn_limit`). With a forced forward speed a vehicle past its grip limit spins, and its
-signals may settle all the same, or creep past a turn that is no longer there: such values are not reported as
-steady. A vehicle at rest is in no steady turn.
+`omni_vehicle_ros.analysis.signals.steady_state`) and no axle slides (both its tyres do, where more slip gives no more
+force; see `omni_vehicle_ros.model.tyres.region`). With a forced forward speed a vehicle past its grip limit spins, and
+its signals may settle all the same: such values are not reported as steady. A vehicle at rest is in no steady turn.
+
+The limit speed of a turn (see `omni_vehicle_ros.analysis.turn_limit`) explains why there is no steady state. It does
+not decide: a vehicle that comes from a wider turn may be steady at a higher speed. But just past a fold it creeps so
+slowly past where the turn was that its signals look settled. So, past its limit, a vehicle whose motion is not that of
+a stable steady turn is not steady.
 """
 
 import math
@@ -16,8 +19,8 @@ import numpy as np
 from omni_vehicle_ros.analysis.regions import Regions, region_metrics, regions
 from omni_vehicle_ros.analysis.signals import Array, last_window, peak, steady_state, step_metrics
 from omni_vehicle_ros.analysis.topics import columns
-from omni_vehicle_ros.analysis.turn_limit import turn_limit
-from omni_vehicle_ros.bags import Bag
+from omni_vehicle_ros.analysis.turn_limit import ends_in_a_turn, turn_limit
+from omni_vehicle_ros.bags import Bag, Columns
 from omni_vehicle_ros.model.tyres.region import Region
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
@@ -54,8 +57,8 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
         ``friction_use.<wheel>.peak`` [1]; ``load.<wheel>.minimum`` [N], 0 when the wheel lifted;
         ``region.<wheel>``: see `region_metrics`;
         ``steady``: whether there is a steady state, ``reason``, why not, and of a turn at a held speed about an ICR
-        that stands still ``limit_speed`` [m/s], up to which it has stable steady turns, and ``limit_cause``, what comes
-        then (see `omni_vehicle_ros.model.steady_turn.Limit`).
+        that stands still ``limit_speed`` [m/s], up to which slow driving leads to stable steady turns, and
+        ``limit_cause``, what comes then (see `omni_vehicle_ros.model.steady_turn.Limit`).
 
     Raises
     ------
@@ -65,7 +68,7 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
     odom, slip, force = columns(bag, 'odom'), columns(bag, 'tyres/side_slip'), columns(bag, 'tyres/force')
     vehicle = vehicle or VehicleParameters()
     places, limit = regions(bag, vehicle), turn_limit(bag, vehicle)
-    reason = unsteady_reason(bag, places, limit)
+    reason = unsteady_reason(bag, vehicle, places, limit)
     steady = reason is None
     return {
         'side_slip': {
@@ -90,13 +93,13 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
     }
 
 
-def unsteady_reason(bag: Bag, places: Regions, limit: 'Limit | None') -> str | None:
+def unsteady_reason(bag: Bag, vehicle: VehicleParameters, places: Regions, limit: 'Limit | None') -> str | None:
     """Return why a run does not end in a steady state, in words, or None if it does.
 
     Parameters
     ----------
-    bag
-        The run.
+    bag, vehicle
+        The run and its vehicle.
     places
         Where its tyres work.
     limit
@@ -108,11 +111,17 @@ def unsteady_reason(bag: Bag, places: Regions, limit: 'Limit | None') -> str | N
         return 'shorter than a second'
     if max(float(np.max(np.abs(signal[window]))) for signal in (odom.vx, odom.vy, odom.yaw_rate)) < REST:
         return 'at rest'
+    reason = _unsettled(odom, places)
+    lost = limit is not None and limit.speed is not None and odom.vx[-1] > limit.speed
+    if lost and reason is None and not ends_in_a_turn(bag, vehicle):
+        reason = 'creeping past where a steady turn was'
+    return f'{reason}, above the limit speed' if reason and lost else reason
+
+
+def _unsettled(odom: Columns, places: Regions) -> str | None:
     sliding = [axle for axle, wheels in _AXLES if all(places.place[-1, i] == Region.SLIDING for i in wheels)]
     if sliding:
         return f'{" and ".join(sliding)} tyres sliding, past the grip limit'
-    if limit is not None and limit.speed is not None and odom.vx[-1] > limit.speed:
-        return f'faster than {limit.speed:.3f} m/s, up to which there is a stable steady turn of this radius'
     signals = (('yaw rate', odom.yaw_rate, YAW_RATE_FLOOR), ('lateral speed', odom.vy, SPEED_FLOOR))
     changing = [name for name, signal, floor in signals if steady_state(odom.stamp, signal, floor) is None]
     return f'{" and ".join(changing)} still changing' if changing else None

@@ -1,5 +1,6 @@
 """The region that each tyre works in over time: linear, nonlinear or sliding."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -8,9 +9,10 @@ import numpy.typing as npt
 from omni_vehicle_ros.analysis.signals import Array
 from omni_vehicle_ros.analysis.topics import friction
 from omni_vehicle_ros.bags import Bag
-from omni_vehicle_ros.model.constants import constants
+from omni_vehicle_ros.model.constants import Constants, constants
+from omni_vehicle_ros.model.contact import WALKING_PACE
 from omni_vehicle_ros.model.tyres.friction_circle import lateral_capacity
-from omni_vehicle_ros.model.tyres.region import Region, region
+from omni_vehicle_ros.model.tyres.region import Region, combined_region, region
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
@@ -27,12 +29,15 @@ class Regions(NamedTuple):
 def regions(bag: Bag, vehicle: VehicleParameters) -> Regions:
     """Return where on its curve each tyre works, with the load, the friction and the traction that it has.
 
+    Traction counts by the friction circle, if the vehicle has that; of ``eight_dof`` it is the slip of the spinning
+    wheel that counts, but below walking pace, where slips mean little, the circle does.
+
     Parameters
     ----------
     bag
-        A bag with tyres/side_slip and tyres/force.
+        A bag with odom, tyres/side_slip and tyres/force.
     vehicle
-        The vehicle of the run, for its tyres.
+        The vehicle of the run.
     """
     slip, force, model = bag['tyres/side_slip'], bag['tyres/force'], constants(vehicle)
     grips = friction(bag)
@@ -40,12 +45,30 @@ def regions(bag: Bag, vehicle: VehicleParameters) -> Regions:
     demands = np.array(force.forces)[rows]
     capacity = grips[1][grip_rows] * demands[:, :, 2]
 
+    spins = vehicle.body_model == 'eight_dof'
+    paces = _paces(bag, slip.stamp, model) if spins else np.zeros(capacity.shape)
+
     def place(row: int, wheel: int) -> int:
-        angle, speed = float(slip.position[row, wheel]), float(slip.velocity[row, wheel])
-        left = lateral_capacity(float(capacity[row, wheel]), float(demands[row, wheel, 0]))
-        return region(angle, speed, left, model) if np.isfinite(angle) else UNKNOWN
+        angle, rim_speed = float(slip.position[row, wheel]), float(slip.velocity[row, wheel])
+        grip, pace = float(capacity[row, wheel]), float(paces[row, wheel])
+        if not math.isfinite(angle):
+            return UNKNOWN
+        if abs(pace) >= WALKING_PACE:
+            return combined_region(angle, rim_speed, pace * math.cos(angle), grip, model)
+        left = lateral_capacity(grip, float(demands[row, wheel, 0])) if spins or model.friction_circle else grip
+        return region(angle, rim_speed, left, model)
 
     return Regions(slip.stamp, np.array([[place(row, i) for i in range(4)] for row in range(len(slip))]))
+
+
+def _paces(bag: Bag, times: Array, model: Constants) -> Array:
+    """Return the speed over ground of each wheel, negative backward [m/s], shape (n, 4)."""
+    odom = bag['odom']
+    rows = _last_row(odom.stamp, times)
+    vx, vy, r = (signal[rows, np.newaxis] for signal in (odom.vx, odom.vy, odom.yaw_rate))
+    along = vx - r * np.array(model.wheel_y)
+    paces: Array = np.copysign(np.hypot(along, vy + r * np.array(model.wheel_x)), along)
+    return paces
 
 
 def _last_row(known: Array, times: Array) -> npt.NDArray[np.int64]:

@@ -1,4 +1,8 @@
-"""The picture of a turn map: where a steady turn exists, how much its tyres slip, and how fast disturbances decay."""
+"""The picture of a turn map: how much tyres slip in the steady turns of slow driving, and how disturbances decay.
+
+Where slow driving leads to none, it shows whether another stable one lies on the curves that slow driving begins (see
+`omni_vehicle_ros.model.other_turns`).
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -11,18 +15,19 @@ from matplotlib.figure import Figure
 
 from omni_vehicle_ros.analysis.signals import Array
 from omni_vehicle_ros.analysis.style import INK, MUTED, PAPER, house_style
-from omni_vehicle_ros.analysis.turn_map import TurnMap, field, worst_slip
+from omni_vehicle_ros.analysis.turn_map import Column, TurnMap, field, worst_slip
 from omni_vehicle_ros.model.turning import SteadyTurn
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.path import Path as MplPath
 
 _LEVELS = 241
 _SLIPS = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0)
 _RATES = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 _WIDER = (1.05, 1.1, 1.25, 1.5, 2.0, 3.0, 5.0)
 _DAMPING = (0.5, 0.7, 0.9)
-_NOTHING = '#eceff2'
+_NOTHING, _OTHER = '#eceff2', '#c9b8dd'
 _DASHES, _DOTS, _BOTH = (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5))
 _LIMITS: dict[str, Any] = {
     'fold': '-', 'sliding': (0, (4, 1)), 'lift': (0, (1, 1)), 'divergence': (0, (6, 1, 1, 1)),
@@ -57,7 +62,7 @@ def draw_map(found: TurnMap) -> Figure:
     left.set_ylabel('forward speed [m/s]')
     kmh = right.secondary_yaxis('right', functions=(lambda speed: speed * _KMH, lambda speed: speed / _KMH))
     kmh.set_ylabel('[km/h]')
-    figure.legend(*left.get_legend_handles_labels(), loc='outside lower center', ncol=6)
+    figure.legend(*left.get_legend_handles_labels(), loc='outside lower center', ncol=3)
     return figure
 
 
@@ -80,15 +85,35 @@ def _draw_decay(axes: 'Axes', found: TurnMap) -> None:
 def _draw_limits(axes: 'Axes', found: TurnMap) -> None:
     radii, ends = [column.radius for column in found.columns], [column.end for column in found.columns]
     lifts = any(column.limit.cause == 'lift' for column in found.columns)
-    axes.fill_between(
+    lost = 'no stable steady turn on the curves that slow driving begins'
+    band = axes.fill_between(
         radii, ends, found.request.speeds[-1],
         facecolor=_NOTHING, edgecolor=MUTED, hatch='////', linewidth=0.0, zorder=3,
-        label='no steady turn, or a wheel in the air' if lifts else 'no steady turn',
+        label=f'{lost}, or a wheel in the air' if lifts else lost,
     )  # fmt: skip
+    _draw_others(axes, found, band.get_paths()[0])
     _draw(axes, found, [column.limit.grip_speed for column in found.columns], _DASHES, 'largest lateral acceleration')
     for cause in dict.fromkeys(column.limit.cause for column in found.columns if column.limit.cause):
         speeds = [column.limit.speed if column.limit.cause == cause else None for column in found.columns]
         _draw(axes, found, speeds, _LIMITS[cause], f'limit speed: {cause}', 2.4)
+
+
+def _draw_others(axes: 'Axes', found: TurnMap, where: 'MplPath') -> None:
+    """Colour the part of a path in which there is another stable turn."""
+    if not any(turn and turn.stable for column in found.columns for turn in column.others):
+        return
+    there = np.array([_continued_down(column) for column in found.columns]).T
+    radii = [column.radius for column in found.columns]
+    filled = axes.contourf(radii, found.request.speeds, there, levels=(0.5, 1.5), colors=_OTHER, zorder=3.5)
+    filled.set_clip_path(where, axes.transData)
+    axes.fill([], [], facecolor=_OTHER, label='a stable one, but not the one that slow driving leads to')
+
+
+def _continued_down(column: Column) -> list[float]:
+    """Return 1 where there is another stable turn; where slow driving leads to one, what holds just above."""
+    flags = [float(turn is not None and turn.stable) for turn in column.others]
+    slow = sum(turn is not None for turn in column.turns)
+    return [flags[slow] if slow < len(flags) else 1.0] * slow + flags[slow:]
 
 
 def _draw(

@@ -14,8 +14,10 @@ from omni_vehicle_ros.wheels import PerWheel, per_wheel
 
 if TYPE_CHECKING:
     from omni_vehicle_ros.model.steady_turn import Limit
+    from omni_vehicle_ros.model.turning import Turning
 
 ALIGNED = 1e-4  # rad, of the wheels with what the ICR wants
+NEAR = 0.02  # of the forward speed, that of the wheels across it
 
 
 def turn_limit(bag: Bag, vehicle: VehicleParameters) -> 'Limit | None':
@@ -31,6 +33,32 @@ def turn_limit(bag: Bag, vehicle: VehicleParameters) -> 'Limit | None':
     vehicle
         The vehicle of the run.
     """
+    held = _held(bag, vehicle)
+    if held is None:
+        return None
+    from omni_vehicle_ros.model.steady_turn import limit_speed
+
+    return limit_speed(vehicle, held.radius, held.environment)
+
+
+def ends_in_a_turn(bag: Bag, vehicle: VehicleParameters) -> bool:
+    """Tell whether the motion at the end of a run whose limit is known is that of a stable steady turn.
+
+    Just past a fold a vehicle creeps past where the turn was, more slowly than anything settles.
+    """
+    from omni_vehicle_ros.model.kinematics import Twist
+
+    held, odom = _held(bag, vehicle), bag['odom']
+    end = Twist(float(odom.vx[-1]), float(odom.vy[-1]), float(odom.yaw_rate[-1]))
+    turn = held.near(end) if held else None
+    if held is None or turn is None or not turn.stable:
+        return False
+    gaps = turn.twist.vy - end.vy, held.wheelbase * (turn.twist.r - end.r)
+    return max(map(abs, gaps)) <= NEAR * end.vx
+
+
+def _held(bag: Bag, vehicle: VehicleParameters) -> 'Turning | None':
+    """Return the vehicle as it stands in the end of a turn whose limit is known, None of a run of another kind."""
     vx = bag['odom'].vx
     if not (vx[0] > 0.0 and np.all(vx == vx[0]) and has(bag, 'driver/icr') and has(bag, 'joint_states')):
         return None
@@ -39,15 +67,13 @@ def turn_limit(bag: Bag, vehicle: VehicleParameters) -> 'Limit | None':
     if x != 0.0 or not math.isfinite(radius) or np.all(np.abs(angles) <= ALIGNED):
         return None
     # The compiled physics takes a second to import; a run that needs no limit should not pay for it.
-    from omni_vehicle_ros.model.steady_turn import limit_speed
     from omni_vehicle_ros.model.turning import turning
 
-    road = _road(bag)
     try:
-        wanted = turning(vehicle, radius, road).inputs.steer_angle
+        held = turning(vehicle, radius, _road(bag))
     except CommandError:
         return None
-    return limit_speed(vehicle, radius, road) if np.allclose(angles, wanted, rtol=0.0, atol=ALIGNED) else None
+    return held if np.allclose(angles, held.inputs.steer_angle, rtol=0.0, atol=ALIGNED) else None
 
 
 def _road(bag: Bag) -> Environment:

@@ -1,6 +1,7 @@
-"""Where over radius and speed a vehicle has a steady turn, and by what margin it is stable: numbers and files."""
+"""Where over radius and speed a vehicle has a steady turn, whether slow driving leads to it, and by what margin."""
 
 import csv
+import functools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -10,13 +11,14 @@ import numpy as np
 
 from omni_vehicle_ros.analysis.map_request import MapRequest
 from omni_vehicle_ros.analysis.signals import Array
+from omni_vehicle_ros.model.other_turns import TurnCurve, past_fold, tightened
 from omni_vehicle_ros.model.steady_turn import Branch, Limit, steady_turns
 from omni_vehicle_ros.model.turning import SteadyTurn, speed_of
 from omni_vehicle_ros.model.tyres.region import Region
 from omni_vehicle_ros.wheels import WHEELS
 
 POINT_COLUMNS = (
-    'radius', 'speed', 'exists', 'stable', 'margin', 'decay_rate', 'damping_ratio',
+    'radius', 'speed', 'exists', 'slow_driving', 'stable', 'margin', 'decay_rate', 'damping_ratio',
     'eigenvalue_1_real', 'eigenvalue_1_imag', 'eigenvalue_2_real', 'eigenvalue_2_imag',
     'path_radius', 'lateral_acceleration',
     *(f'side_slip_{wheel}' for wheel in WHEELS), *(f'region_{wheel}' for wheel in WHEELS),
@@ -33,15 +35,18 @@ Known = tuple[float, SteadyTurn]
 
 
 class Column(NamedTuple):
-    """The steady turns of one radius [m]: the turn at every speed of the map, None where there is none.
+    """The steady turns of one radius [m]: at every speed of the map the one that slow driving leads to, or None.
 
-    ``limit`` up to the largest speed of the map; ``edge``: the turn at the limit, None if there is no limit; ``end``:
-    speed up to which there are steady turns [m/s]; ``tail``: more turns towards it, with their speeds; ``nonlinear``,
-    ``sliding``: speed from which on a tyre is past its linear region, and slides [m/s], None if none does.
+    ``others``: where there is none, another one, a stable one if there is, or None if none lies on the curves that
+    are followed (see `omni_vehicle_ros.model.other_turns`); of two alike the one with less slip. ``limit`` up to the
+    largest speed of the map; ``edge``: the turn at the limit, None if there is no limit; ``end``: speed up to which
+    slow driving leads to them [m/s]; ``tail``: more turns towards it, with their speeds; ``nonlinear``, ``sliding``:
+    speed from which on a tyre is past its linear region, and slides [m/s], None if none does.
     """
 
     radius: float
     turns: tuple[SteadyTurn | None, ...]
+    others: tuple[SteadyTurn | None, ...]
     limit: Limit
     edge: SteadyTurn | None
     end: float
@@ -68,14 +73,20 @@ def turn_map(request: MapRequest, progress: Callable[[float], None] = lambda don
         Called with the number of radii that are done.
     """
     vehicle, road, speeds, columns = request.vehicle, request.environment, request.speeds, []
+    straight = steady_turns(vehicle, math.inf, road, speeds[-1])
+
+    @functools.cache
+    def tightening(speed: float) -> TurnCurve:
+        return tightened(straight, speed, request.radii[0])
+
     for number, radius in enumerate(request.radii):
         progress(number)
-        columns.append(_column(steady_turns(vehicle, radius, road, speeds[-1]), speeds))
+        columns.append(_column(steady_turns(vehicle, radius, road, speeds[-1]), speeds, tightening))
     progress(len(request.radii))
     return TurnMap(request, tuple(columns))
 
 
-def _column(branch: Branch, speeds: Sequence[float]) -> Column:
+def _column(branch: Branch, speeds: Sequence[float], tightening: Callable[[float], TurnCurve]) -> Column:
     limit, end = branch.limit, min(branch.end, speeds[-1])
     if limit.speed is not None and limit.speed > speeds[-1]:
         limit = limit._replace(speed=None, cause=None)
@@ -85,6 +96,7 @@ def _column(branch: Branch, speeds: Sequence[float]) -> Column:
     return Column(
         radius=branch.turning.radius,
         turns=turns,
+        others=tuple(_others(branch, speeds, tightening)),
         limit=limit,
         edge=None if limit.speed is None else branch.turn(limit.speed),
         end=end,
@@ -92,6 +104,16 @@ def _column(branch: Branch, speeds: Sequence[float]) -> Column:
         nonlinear=_first(branch, known, Region.NONLINEAR),
         sliding=_first(branch, known, Region.SLIDING),
     )
+
+
+def _others(
+    branch: Branch, speeds: Sequence[float], tightening: Callable[[float], TurnCurve]
+) -> Iterator[SteadyTurn | None]:
+    """Yield for every speed the best of the turns that slow driving does not lead to, None where it leads to one."""
+    radius, rest = branch.turning.radius, past_fold(branch, speeds[-1])
+    for speed in speeds:
+        found = [] if speed <= branch.end else [*rest.turns(speed), *tightening(speed).turns(radius)]
+        yield min(found, key=lambda turn: (not turn.stable, worst_slip(turn)), default=None)
 
 
 def _tail(branch: Branch, start: float, end: float) -> tuple[Known, ...]:
@@ -125,9 +147,12 @@ def worst_slip(turn: SteadyTurn) -> float:
 def write_tables(found: TurnMap, directory: Path) -> None:
     """Write ``map.csv``, a row for every radius and speed, and ``limit.csv``, a row for every radius; SI, rad.
 
-    A cell is empty where there is no such number: no steady turn, no limit up to the largest speed, a damping ratio
-    of a saddle. The margin is the share of the limit speed that is left; `SteadyTurn` and `Limit` say what the others
-    are. In ``limit.csv`` path and acceleration are those at the limit.
+    In ``map.csv``, ``exists`` says whether a steady turn lies on the curves that slow driving begins, ``slow_driving``
+    whether it is the one that a vehicle comes to that speeds up with its wheels held, as is the case wherever that goes
+    so far, and ``stable`` whether the turn of this row is stable. The margin is the share of the limit speed of
+    speeding up that is left. A cell is empty where there is no such number: no steady turn, no limit up to the largest
+    speed, a damping ratio of a saddle. `SteadyTurn` and `Limit` say what the others are. In ``limit.csv`` path and
+    acceleration are those at the limit.
     """
     _write(directory / 'map.csv', POINT_COLUMNS, _point_rows(found))
     _write(directory / 'limit.csv', LIMIT_COLUMNS, map(_limit_row, found.columns))
@@ -143,9 +168,10 @@ def _write(path: Path, columns: Sequence[str], rows: Iterator[list[Cell]]) -> No
 
 def _point_rows(found: TurnMap) -> Iterator[list[Cell]]:
     for column in found.columns:
-        for speed, turn in zip(found.request.speeds, column.turns, strict=True):
-            margin = column.limit.margin(speed)
-            start: list[Cell] = [column.radius, speed, _word(turn is not None), _word(_stable(turn)), margin]
+        for speed, slow, other in zip(found.request.speeds, column.turns, column.others, strict=True):
+            turn, margin = slow or other, column.limit.margin(speed)
+            flags = map(_word, (turn is not None, slow is not None, turn is not None and turn.stable))
+            start: list[Cell] = [column.radius, speed, *flags, margin]
             yield start + (_turn_cells(turn) if turn else [None] * (len(POINT_COLUMNS) - len(start)))
 
 
@@ -164,16 +190,12 @@ def _limit_row(column: Column) -> list[Cell]:
     return [column.radius, speed, cause, grip_speed, column.nonlinear, column.sliding, *path]
 
 
-def _stable(turn: SteadyTurn | None) -> bool:
-    return turn is not None and turn.stable
-
-
 def _word(flag: bool) -> str:
     return str(flag).lower()
 
 
 def field(found: TurnMap, quantity: Callable[[SteadyTurn], float], speeds: Array) -> Array:
-    """Return a quantity over radius and speed, for a drawing; beyond the last steady turn it stays as it was there.
+    """Return a quantity of the turns of slow driving, for a drawing; beyond the last one it stays as it was there.
 
     Parameters
     ----------

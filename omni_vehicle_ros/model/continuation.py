@@ -4,10 +4,12 @@ There are n - 1 equations for n unknowns, the first of which is the parameter, s
 point of it comes from the one before by a step along the tangent, and Newton's method in the plane across it.
 """
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from omni_vehicle_ros.model.state import Vector
 
@@ -20,6 +22,7 @@ CORNER = 1e-4  # length of a step in which a tangent may turn by more, as the cu
 FARTHEST = 0.5  # of a step, by which its end may miss the curve; what is found farther away is on another one
 FIRST_STEP, SHORTEST_STEP = 1e-2, 1e-7
 MOST_STEPS = 4000
+ROUNDING = 1e-9  # of the parameter: nearer to a point it is that point
 
 
 class Point(NamedTuple):
@@ -81,6 +84,71 @@ class Curve(NamedTuple):
                 continue
             yield found
             point, step = found, min(1.5 * step, longest)
+
+    def trace(self, first: Point, longest: float, holds: Callable[[Point], bool]) -> tuple[Point, ...]:
+        """Return the points of the curve from the first one on, up to the last one where something holds.
+
+        Of every fold both neighbours are among them, next to each other, so that between any other two points the
+        parameter only rises or only falls.
+
+        Parameters
+        ----------
+        first, longest
+            As in `follow`.
+        holds
+            What is to hold.
+        """
+        points = [first]
+        for point in self.follow(first, longest):
+            if (point.tangent[0] > 0.0) != (points[-1].tangent[0] > 0.0):
+                points += self.fold(points[-1], point)
+            if not holds(point):
+                break
+            points.append(point)
+        return tuple(points)
+
+    def fold(self, before: Point, after: Point) -> tuple[Point, Point]:
+        """Return the last point before and the first one after the curve turns back between two neighbours."""
+        rising = before.tangent[0] > 0.0
+        return self.border(before, after, lambda point: (point.tangent[0] > 0.0) == rising)
+
+    def crossings(self, points: Sequence[Point], level: float) -> list[Point]:
+        """Return the points of the curve at a value of the parameter, in the order of the curve.
+
+        Parameters
+        ----------
+        points
+            Of the curve, as `trace` returns them.
+        level
+            Value of the parameter.
+        """
+        levels = np.array([point.place[0] for point in points])
+        low, high = np.minimum(levels[:-1], levels[1:]), np.maximum(levels[:-1], levels[1:])
+        before = np.flatnonzero((low <= level) & (level < high)).tolist()
+        found = (self.between(points[i], points[i + 1], level) for i in before)
+        return [point for point in found if point is not None]
+
+    def between(self, before: Point, after: Point, level: float) -> Point | None:
+        """Return the point at a value of the parameter between two neighbours, None if it can't be found.
+
+        From one to the other the parameter must rise all the way, or fall. Near a fold there is another point with this
+        value; it is not meant.
+        """
+        for end in (before, after):
+            if abs(float(end.place[0]) - level) <= ROUNDING:
+                return end
+        way = after.place - before.place
+        reach = self.along(before, way)
+        found = self.at(before.place + (level - before.place[0]) / way[0] * way)
+        part = self.along(before, found.place - before.place) if found is not None else math.nan
+        if found is not None and self.along(before, found.tangent) * way[0] > 0.0 and 0.0 <= part <= reach:
+            return found
+
+        def miss(step: float) -> float:
+            point = self.stepped(before, step)
+            return math.nan if point is None else float(point.place[0]) - level
+
+        return self.stepped(before, brentq(miss, 0.0, reach)) if miss(0.0) * miss(reach) <= 0.0 else None
 
     def border(self, inside: Point, outside: Point, holds: Callable[[Point], bool]) -> tuple[Point, Point]:
         """Return where something ceases to hold, by halving.

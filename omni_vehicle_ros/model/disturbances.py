@@ -10,6 +10,7 @@ from omni_vehicle_ros.model.constants import Constants
 WIND_BOUNDS = (
     0.0, 3.0, 7.0, 12.0, 18.0, 25.0, 33.0, 42.0, 51.0, 61.0, 71.0, 82.0, 93.0, 105.0, 117.0, 130.0, 143.0,
 )  # fmt: skip
+BEAUFORT_NUMBERS = range(2 * (len(WIND_BOUNDS) - 1))
 WIND_CLASSES = ('sub-critical', 'weak', 'strong', 'violent')
 
 
@@ -27,15 +28,15 @@ class WindLevel(NamedTuple):
 
 
 def beaufort(number: int) -> WindLevel:
-    """Return the wind of a Beaufort number, 0 to 31 (thesis, Table 4.1: the numbers come in pairs).
+    """Return the wind of a Beaufort number, one of `BEAUFORT_NUMBERS` (thesis, Table 4.1: they come in pairs).
 
     Raises
     ------
     ParameterError
         The table has no such number.
     """
-    if number not in range(2 * (len(WIND_BOUNDS) - 1)):
-        raise ParameterError(f'beaufort number: {number!r} is outside 0 .. {2 * len(WIND_BOUNDS) - 3}')
+    if number not in BEAUFORT_NUMBERS:
+        raise ParameterError(f'beaufort number: {number!r} is outside 0 .. {BEAUFORT_NUMBERS[-1]}')
     line = number // 2
     return WindLevel(WIND_CLASSES[line // 4], WIND_BOUNDS[line], WIND_BOUNDS[line + 1])
 

@@ -1,8 +1,8 @@
 """Steady turns found directly, as roots of the equations of motion, and the speed at which they are lost.
 
 At a creep the steady turn is the motion about the ICR, without any slip. The turns of higher speeds are what this one
-becomes as the speed rises: a branch of roots. There are other roots, saddles and repellers, and past the grip limit
-states in which the held speed drags a vehicle that slides; only those on the branch count as steady turns.
+becomes as the speed rises: a branch of roots, to which slow driving leads. There are other roots: saddles, repellers,
+and at higher speeds stable ones, too, to which a vehicle comes from a wider turn; see `other_turns`.
 """
 
 import functools
@@ -11,19 +11,18 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.model.continuation import Point
 from omni_vehicle_ros.model.dynamics import Environment
-from omni_vehicle_ros.model.turning import SIDEWAYS, SPEED_UNIT, SteadyTurn, Turning, speed_of, turning
+from omni_vehicle_ros.model.turning import SIDEWAYS, SteadyTurn, Turning, speed_of, turning
 from omni_vehicle_ros.parameters import VehicleParameters
 
 LEVEL_ROAD = Environment()
 CREEP = 0.1  # m/s, where a branch begins
 TOP_SPEED = 60.0  # m/s
 LONGEST_STEP = 0.05
-ROUNDING = 1e-9  # of the speed unit
 FLAT = 1e-3  # share of the speed in a step along the branch where it turns back
 
 Cause = Literal['fold', 'divergence', 'oscillation', 'sliding', 'lift']
@@ -31,14 +30,15 @@ _Loss = tuple[float, Cause] | tuple[None, None]
 
 
 class Limit(NamedTuple):
-    """Where the steady turns of a radius are lost.
+    """Where the steady turns of a radius are lost to a vehicle that speeds up slowly.
 
-    ``speed``: up to it all steady turns are stable, with no axle sliding and no wheel in the air [m/s]. ``cause``:
-    what comes then; None as ``speed`` is if nothing does. ``grip_speed``: the speed of the largest lateral
-    acceleration [m/s], from which on a faster vehicle only runs wide; None if it still grows where the branch ends.
+    ``speed``: up to it all those that slow driving leads to are stable, with no axle sliding and no wheel in the air
+    [m/s]. ``cause``: what comes then; None as ``speed`` is if nothing does. ``grip_speed``: the speed of the largest
+    lateral acceleration [m/s], from which on a faster vehicle only runs wide; None if it still grows where the branch
+    ends.
 
-    - fold: the branch turns back, there is no steady turn at a higher speed;
-    - divergence, oscillation: there is one, but disturbances grow, without or with oscillation;
+    - fold: the branch turns back, slow driving leads to no steady turn at a higher speed;
+    - divergence, oscillation: it leads to one, but disturbances grow, without or with oscillation;
     - sliding: both tyres of an axle slide, or the vehicle skids sideways;
     - lift: a wheel leaves the ground.
     """
@@ -63,45 +63,35 @@ class Branch(NamedTuple):
 
     @property
     def end(self) -> float:
-        """Speed up to which there are steady turns, or up to which they were looked for [m/s]."""
+        """Speed up to which slow driving leads to steady turns, or up to which they were looked for [m/s]."""
         return speed_of(self.points[-1]) if self.points else 0.0
+
+    @property
+    def folds(self) -> bool:
+        """Whether the curve turns back where the branch ends."""
+        return bool(self.points) and bool(self.points[-1].tangent[0] < FLAT)
 
     def turn(self, speed: float) -> SteadyTurn | None:
         """Return the steady turn at a forward speed above 0 [m/s], or None if there is none."""
+        point = self.point(speed)
+        return None if point is None else self.turning.turn(point)
+
+    def point(self, speed: float) -> Point | None:
+        """Return the point at a forward speed above 0 [m/s], or None if there is none."""
         if not 0.0 < speed <= self.end:
             return None
         levels = [float(point.place[0]) for point in self.points]
-        level = min(speed / SPEED_UNIT, levels[-1])
+        level = min(self.turning.level(speed), levels[-1])
         above = int(np.searchsorted(levels, level))
         if above == 0:
-            point = self.turning.creeping(speed)
-        elif levels[above] - level <= ROUNDING:
-            point = self.points[above]
-        else:
-            point = self._between(self.points[above - 1], self.points[above], level)
-        return None if point is None else self.turning.turn(point)
-
-    def _between(self, before: Point, after: Point, level: float) -> Point | None:
-        """Return the point at a speed between two neighbours; near a fold there are two, and it is the first."""
-        curve = self.turning.curve
-        way = after.place - before.place
-        reach = curve.along(before, way)
-        found = curve.at(before.place + (level - before.place[0]) / way[0] * way)
-        part = curve.along(before, found.place - before.place) if found is not None else math.nan
-        if found is not None and found.tangent[0] > 0.0 and 0.0 <= part <= reach:
-            return found
-
-        def miss(step: float) -> float:
-            point = curve.stepped(before, step)
-            return math.nan if point is None else float(point.place[0]) - level
-
-        return curve.stepped(before, brentq(miss, 0.0, reach)) if miss(0.0) <= 0.0 <= miss(reach) else None
+            return self.turning.creeping(speed)
+        return self.turning.curve.between(self.points[above - 1], self.points[above], level)
 
 
 def steady_turn(
     vehicle: VehicleParameters, radius: float, speed: float, environment: Environment = LEVEL_ROAD
 ) -> SteadyTurn | None:
-    """Return the steady turn of a vehicle at a forward speed, or None if there is none.
+    """Return the steady turn that slow driving leads to at a forward speed, or None if it leads to none.
 
     Parameters
     ----------
@@ -129,7 +119,7 @@ def steady_turn(
 def limit_speed(
     vehicle: VehicleParameters, radius: float, environment: Environment = LEVEL_ROAD, top_speed: float = TOP_SPEED
 ) -> Limit:
-    """Return up to which speed a vehicle has stable steady turns, and what comes then; see `steady_turns`."""
+    """Return up to which speed slow driving leads to stable steady turns, and what comes then; see `steady_turns`."""
     return steady_turns(vehicle, radius, environment, top_speed).limit
 
 

@@ -92,9 +92,19 @@ class Turning(NamedTuple):
         """The places of all steady turns; their parameter is the speed."""
         return Curve(self.rates, _WEIGHTS)
 
+    def level(self, speed: float) -> float:
+        """Return the first coordinate of a speed [m/s]."""
+        return speed / SPEED_UNIT
+
     def creeping(self, speed: float) -> Point | None:
         """Return the steady turn at a speed that is next to none [m/s], or None if there is no grip for it."""
-        return self.curve.at(np.array((speed / SPEED_UNIT, 0.0, self.wheelbase / self.radius, 0.0, 0.0, 0.0, 0.0)))
+        return self.curve.at(np.array((self.level(speed), 0.0, self.wheelbase / self.radius, 0.0, 0.0, 0.0, 0.0)))
+
+    def near(self, twist: Twist) -> SteadyTurn | None:
+        """Return the steady turn that Newton's method finds from a motion, at its forward speed; None without one."""
+        slopes = twist.vy / twist.vx, self.wheelbase * twist.r / twist.vx
+        found = self.curve.at(np.array((self.level(twist.vx), *slopes, 0.0, 0.0, 0.0, 0.0)))
+        return None if found is None else self.turn(found)
 
     def rates(self, place: Vector) -> Vector:
         """Return what is 0 in a steady turn: the rates of vy, r and the deflections, shape (6,)."""

@@ -1,15 +1,16 @@
-"""The vehicle alone, from whatever kind of YAML file says something about it."""
+"""The vehicle alone, or its road, from whatever kind of YAML file says something about it."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from omni_vehicle_ros.errors import ParameterError, ScenarioError
-from omni_vehicle_ros.parameters import VehicleParameters
+from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
 from omni_vehicle_ros.scenarios import yaml_text
+from omni_vehicle_ros.scenarios.environment import QUANTITIES, EnvironmentProfile
 from omni_vehicle_ros.scenarios.reading import read_mapping
-from omni_vehicle_ros.scenarios.scenario import make_scenario
+from omni_vehicle_ros.scenarios.scenario import Scenario, make_scenario
 from omni_vehicle_ros.scenarios.settings import read_override
 
 _ROS = 'ros__parameters'
@@ -34,7 +35,7 @@ def load_vehicle(path: Path | None, overrides: Sequence[str] = ()) -> VehiclePar
         One line: the file and the overrides, and what is wrong.
     """
     try:
-        values = {} if path is None else _vehicle(path.stem, read_mapping(yaml_text.parse(path.read_bytes())))
+        values = {} if path is None else _vehicle(path.stem, _tree(path))
         for override in overrides:
             name, value = read_override(override)
             values[name.removeprefix(f'{_SECTION}.')] = value
@@ -46,10 +47,55 @@ def load_vehicle(path: Path | None, overrides: Sequence[str] = ()) -> VehiclePar
         raise ScenarioError(f'{path or "default vehicle"}{settings}: {error}') from None
 
 
+def load_road(path: Path | None) -> PlantParameters:
+    """Read bank, wind and friction from a file that `load_vehicle` takes; the defaults where it says nothing.
+
+    Of a scenario they are those at its start, whatever comes later.
+
+    Raises
+    ------
+    ScenarioError
+        One line: the file, and what is wrong.
+    """
+    try:
+        return PlantParameters() if path is None else _road(path.stem, _tree(path))
+    except OSError as error:
+        raise ScenarioError(f'{path}: {error.strerror}') from None
+    except (ParameterError, ScenarioError) as error:
+        raise ScenarioError(f'{path}: {error}') from None
+
+
+def _road(name: str, tree: Mapping[str, Any]) -> PlantParameters:
+    blocks = list(_blocks(tree))
+    if blocks:
+        return PlantParameters.from_mapping(_merged(blocks, frozenset(QUANTITIES)))
+    if 'duration' in tree:
+        return _at_the_start(make_scenario(name, tree, ()))
+    plant = read_mapping(tree.get('plant', {}))
+    return PlantParameters.from_mapping({key: plant[key] for key in QUANTITIES if key in plant})
+
+
+def _at_the_start(scenario: Scenario) -> PlantParameters:
+    plant = scenario.plant
+    for entry in scenario.environment:
+        if entry.at <= 0.0:
+            change = entry.change(0.0) if isinstance(entry, EnvironmentProfile) else entry
+            plant = replace(plant, **{key: getattr(change, key) for key in change.quantities})
+    return plant
+
+
+def _tree(path: Path) -> dict[str, Any]:
+    return read_mapping(yaml_text.parse(path.read_bytes()))
+
+
 def _vehicle(name: str, tree: Mapping[str, Any]) -> dict[str, Any]:
     blocks = list(_blocks(tree))
     if blocks:
-        return _merged(blocks)
+        merged = _merged(blocks, _NAMES)
+        if not merged:
+            words = 'no vehicle parameters; they stand under /**: ros__parameters:, as in config/vehicle.yaml'
+            raise ScenarioError(words)
+        return merged
     if 'duration' in tree:
         return make_scenario(name, tree, ()).vehicle.as_dict()
     return read_mapping(tree.get(_SECTION, tree))
@@ -64,12 +110,10 @@ def _blocks(tree: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
             yield from _blocks(value)
 
 
-def _merged(blocks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _merged(blocks: Sequence[Mapping[str, Any]], names: frozenset[str]) -> dict[str, Any]:
     merged: dict[str, Any] = {}
     for block in blocks:
         for name, value in block.items():
-            if name in _NAMES and merged.setdefault(name, value) != value:
+            if name in names and merged.setdefault(name, value) != value:
                 raise ScenarioError(f'{name} is there twice, as {merged[name]!r} and as {value!r}')
-    if not merged:
-        raise ScenarioError('no vehicle parameters; they stand under /**: ros__parameters:, as in config/vehicle.yaml')
     return merged

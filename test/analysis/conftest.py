@@ -24,6 +24,7 @@ class Motion:
         self.time = np.arange(round(duration * 1e9 / PERIOD_NS) + 1) * PERIOD_NS * 1e-9
         ones = np.ones_like(self.time)
         self.yaw_rate = ones * speed / radius
+        self.slipping = np.zeros((len(ones), 4))
         self.heading = self.time * speed / radius
         self.x, self.y = radius * np.sin(self.heading), radius * (1.0 - np.cos(self.heading))
         self.vx, self.vy = ones * speed, ones * 0.0
@@ -64,7 +65,8 @@ class Motion:
             use, loads = tuple(self.friction_use[k].tolist()), self.load[k].tolist()
             yield 'odom', messages.Odometry(stamp, *pose, vx, float(self.vy[k]), r)
             yield 'imu', messages.Imu(stamp, 0.01, pose[2], r, 0.0, vx * r, 9.81)
-            yield 'tyres/side_slip', messages.Joints(stamp, WHEELS, numbers[k], (vx,) * 4, use)
+            rims = tuple((vx + self.slipping[k]).tolist())
+            yield 'tyres/side_slip', messages.Joints(stamp, WHEELS, numbers[k], rims, use)
             forces = zip(self.long_force[k].tolist(), loads, strict=True)
             yield 'tyres/force', messages.Forces(stamp, WHEELS, tuple((drive, 100.0, load) for drive, load in forces))
             yield 'joint_states', messages.Joints(stamp, JOINTS, (*self.steer_angles, *zeros[4:]), zeros, zeros)

@@ -49,6 +49,38 @@ def test_load_friction_and_traction_count_at_their_time(motion, bag_of):
     assert not spans(found, 3, Region.NONLINEAR)
 
 
+def test_without_friction_circle_traction_costs_nothing(motion, bag_of):
+    turning = motion(2.0)
+    turning.side_slip[:] = 0.9 * first_critical_slip(*GRIP)
+    turning.long_force[:] = -0.8 * 0.9 * LOAD
+    bag = bag_of(turning)
+    assert np.all(regions(bag, CAR).place == Region.NONLINEAR)
+    assert np.all(regions(bag, VehicleParameters(friction_circle=False)).place == Region.LINEAR)
+
+
+def test_with_wheel_spin_slip_counts_and_not_the_force(motion, bag_of):
+    """Straight on, lambda = 1 at S / (1 - S) = capacity (1 - eps_r u S) / (2 C_s) of a driven wheel."""
+    car = VehicleParameters(body_model='eight_dof', adhesion_reduction=0.0)
+    straight = motion(4.0, radius=1e9)
+    straight.side_slip[:] = 0.0
+    first = 0.9 * LOAD / (2.0 * car.longitudinal_stiffness)
+    straight.slipping[:, 0] = 0.99 * first * SPEED
+    straight.slipping[:, 1] = 1.01 * first * SPEED
+    straight.slipping[:, 2] = -0.5 * SPEED
+    straight.long_force[:, 3] = 0.89 * LOAD
+    found = regions(bag_of(straight), car)
+    assert found.place[-1].tolist() == [Region.LINEAR, Region.NONLINEAR, Region.NONLINEAR, Region.LINEAR]
+
+
+def test_a_slow_spinning_wheel_counts_by_its_force(motion, bag_of):
+    """Below walking pace the spin says little about the slip of the tyre."""
+    creeping = motion(2.0, speed=0.1)
+    creeping.side_slip[:] = 0.0
+    creeping.slipping[:] = 0.1
+    found = regions(bag_of(creeping), VehicleParameters(body_model='eight_dof'))
+    assert np.all(found.place == Region.LINEAR)
+
+
 def test_a_slip_that_is_not_a_number_is_in_no_region(motion, bag_of):
     turning = motion(2.0)
     turning.side_slip[100:, 1] = math.nan

@@ -160,6 +160,27 @@ def test_the_path_can_be_drawn_alone(motion: Any, bag_of: Callable[[Any], Any]) 
     assert 'ICR' in svg
 
 
+@pytest.mark.parametrize('size', [(7.6, 2.4), (7.6, 8.0)])
+def test_the_times_beside_a_path_lie_within_its_axes(
+    motion: Any, bag_of: Callable[[Any], Any], size: tuple[float, float]
+) -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size)
+    axes = figure.add_subplot()
+    with house_style():
+        plot_path(bag_of(motion()), axes)
+        figure.draw_without_rendering()
+    frame, times = axes.get_window_extent(), [text for text in axes.texts if text.get_text().endswith(' s')]
+    assert len(times) > 1
+    for text in times:
+        box = text.get_window_extent()
+        assert frame.contains(box.x0, box.y0)
+        assert frame.contains(box.x1, box.y1)
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    assert (right - left) / frame.width == pytest.approx((high - low) / frame.height, rel=1e-9)
+
+
 @settings(deadline=None, max_examples=50)
 @given(numpy_st.arrays(np.float64, st.integers(1, 5000), elements=st.floats(-1e6, 1e6)))
 def test_thinning_keeps_the_ends_and_the_extremes(signal: np.ndarray) -> None:

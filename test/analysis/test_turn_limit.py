@@ -8,7 +8,7 @@ from omni_vehicle_ros.analysis import compute_metrics
 from omni_vehicle_ros.analysis.turn_limit import turn_limit
 from omni_vehicle_ros.model.dynamics import Environment
 from omni_vehicle_ros.model.kinematics import Icr, road_steer_angles
-from omni_vehicle_ros.model.steady_turn import limit_speed
+from omni_vehicle_ros.model.steady_turn import limit_speed, steady_turn
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
@@ -36,12 +36,33 @@ def test_a_held_turn_knows_its_limit(turn, bag_of, radius):
     json.dumps(metrics, allow_nan=False)
 
 
-def test_past_its_limit_a_turn_that_looks_settled_is_not_steady(turn, bag_of):
-    """Near a fold the motion creeps, slower than any test of settling sees."""
-    steady = compute_metrics(bag_of(turn(2.0, 3.26)))['steady']
+def test_past_its_limit_a_turn_that_has_settled_is_steady(turn, bag_of):
+    """At 8.5 m and 12 m/s there is a stable turn, to which a vehicle comes from a wider one."""
+    settled = turn(8.5, 12.0)
+    settled.vy[:], settled.yaw_rate[:] = -4.889, 0.6254
+    metrics = compute_metrics(bag_of(settled))
+    limit = limit_speed(CAR, 8.5)
+    assert limit.speed < 10.0
+    assert metrics['steady'] == {
+        'reached': True, 'reason': None, 'limit_speed': limit.speed, 'limit_cause': 'fold'}
+    assert metrics['path']['radius'] == pytest.approx(math.hypot(12.0, 4.889) / 0.6254)
+
+
+def test_just_past_its_limit_a_turn_that_looks_settled_is_not_steady(turn, bag_of):
+    """Near a fold the motion creeps, slower than any test of settling sees; it does so where the turn was."""
+    creeping, end = turn(2.0, 3.26), steady_turn(CAR, 2.0, limit_speed(CAR, 2.0).speed)
+    creeping.vy[:], creeping.yaw_rate[:] = end.twist.vy, end.twist.r
+    steady = compute_metrics(bag_of(creeping))['steady']
     assert not steady['reached']
-    assert steady['reason'] == 'faster than 3.254 m/s, up to which there is a stable steady turn of this radius'
-    assert steady['limit_cause'] == 'fold'
+    assert steady['reason'] == 'creeping past where a steady turn was, above the limit speed'
+
+
+@pytest.mark.parametrize(('speed', 'reason'), [
+    (3.0, 'lateral speed still changing'), (3.5, 'lateral speed still changing, above the limit speed')])
+def test_only_of_a_turn_that_has_not_settled_the_limit_is_the_reason(turn, bag_of, speed, reason):
+    changing = turn(2.0, speed)
+    changing.vy[:] = -0.5 * changing.time
+    assert compute_metrics(bag_of(changing))['steady']['reason'] == reason
 
 
 def test_road_and_vehicle_count(turn, bag_of):

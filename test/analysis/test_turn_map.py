@@ -35,12 +35,11 @@ def test_every_radius_and_speed_has_its_row(found, tmp_path):
     assert [(float(row['radius']), float(row['speed'])) for row in rows] == list(itertools.product(RADII, SPEEDS))
     for row in rows:
         turn = steady_turn(CAR, float(row['radius']), float(row['speed']), SNOW)
-        assert row['exists'] == ('false' if turn is None else 'true')
+        assert row['slow_driving'] == ('false' if turn is None else 'true')
         if turn is None:
-            assert row['stable'] == 'false'
             assert float(row['margin']) < 0.0
-            assert set(list(row.values())[5:]) == {''}
             continue
+        assert row['exists'] == 'true'
         assert row['stable'] == str(turn.stable).lower()
         assert float(row['decay_rate']) == pytest.approx(turn.decay_rate, rel=1e-5)
         assert float(row['path_radius']) == pytest.approx(turn.path_radius, rel=1e-6)
@@ -49,6 +48,23 @@ def test_every_radius_and_speed_has_its_row(found, tmp_path):
         for wheel, slip, region in zip(WHEELS, turn.side_slip, turn.region, strict=True):
             assert float(row[f'side_slip_{wheel}']) == pytest.approx(slip, rel=1e-6)
             assert row[f'region_{wheel}'] == region.name.lower()
+
+
+def test_where_slow_driving_leads_to_none_another_turn_is_there_or_not(tmp_path):
+    """Of 7.5 m at 8 and 15 m/s, of 8.5 m at 8, 9.6, 10.5 and 15 m/s, as random starts find them."""
+    write_tables(turn_map(MapRequest('', CAR, Environment(), (7.5, 8.5), (8.0, 9.6, 10.5, 15.0))), tmp_path)
+    flags = [(row['exists'], row['slow_driving'], row['stable']) for row in read(tmp_path / 'map.csv')]
+    slow, drift, unstable, none = (
+        ('true', 'true', 'true'), ('true', 'false', 'true'), ('true', 'false', 'false'), ('false', 'false', 'false'))
+    assert flags[:4] == [slow, none, unstable, drift]
+    assert flags[4:] == [slow, none, drift, drift]
+
+
+def test_a_row_without_any_turn_is_empty(tmp_path):
+    write_tables(turn_map(MapRequest('', CAR, Environment(), (5.0, 6.0), (7.5, 8.0))), tmp_path)
+    row = read(tmp_path / 'map.csv')[0]
+    assert (row['exists'], row['slow_driving'], row['stable']) == ('false', 'false', 'false')
+    assert set(list(row.values())[6:]) == {''}
 
 
 def test_every_radius_has_its_limit(found, tmp_path):
@@ -97,13 +113,51 @@ def test_the_picture_shows_limits_and_where_there_is_no_turn(found):
         figure = draw_map(found)
     left, right = figure.axes[:2]
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert {'no steady turn', 'limit speed: fold', 'limit speed: sliding', 'a tyre slides'} <= set(labels)
+    lost = 'no stable steady turn on the curves that slow driving begins'
+    other = 'a stable one, but not the one that slow driving leads to'
+    assert {lost, other, 'limit speed: fold', 'limit speed: sliding', 'a tyre slides'} <= set(labels)
     for axes in (left, right):
         limit = next(line for line in axes.get_lines() if line.get_label() == 'limit speed: fold')
         drawn = [speed for speed in limit.get_ydata() if math.isfinite(speed)]
         assert drawn == pytest.approx([limit_speed(CAR, radius, SNOW).speed for radius in RADII[:3]], abs=1e-4)
         assert axes.get_xlim() == (2.0, 30.0)
         assert axes.get_ylim() == (1.0, 13.0)
+
+
+def test_a_road_on_which_slow_driving_leads_everywhere_has_no_other_turns():
+    with house_style():
+        figure = draw_map(turn_map(MapRequest('', CAR, Environment(), (20.0, 30.0), (1.0, 2.0))))
+    assert 'a stable one, but not the one that slow driving leads to' not in [
+        text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def write_file(path, text):
+    path.write_text(text, encoding='utf-8')
+    return path
+
+
+@pytest.mark.parametrize(('text', 'road'), [
+    ('mass: 1500.0', Environment()),
+    ('vehicle: {mass: 1500.0}\nplant: {friction: [0.5, 0.5, 0.5, 0.5]}', SNOW),
+    ('/**:\n  ros__parameters: {mass: 1500.0}\n/**/plant:\n  ros__parameters: {wind: 3.0, pacing: realtime}',
+     Environment(wind=3.0)),
+    ('duration: 1.0\nplant: {bank: 0.01}\nenvironment: [{at: 0, friction: 0.4}, {at: 0.5, friction: 0.8}]',
+     Environment(0.01, 0.0, (0.4,) * 4)),
+    ('duration: 1.0\nenvironment: [{profile: wind, points: [[0, 2.0], [1, 5.0]]}]', Environment(wind=2.0)),
+    ('duration: 1.0\nenvironment: [{profile: wind, points: [[0.5, 2.0], [1, 5.0]]}]', Environment()),
+])
+def test_the_road_of_a_file_is_the_road_of_its_map(tmp_path, text, road):
+    path = write_file(tmp_path / 'car.yaml', text)
+    assert read_request(path, [], None, '2:8', '1:5').environment == road
+    icy = read_request(path, [], 0.2, '2:8', '1:5')
+    assert icy.environment == road._replace(friction=(0.2,) * 4)
+
+
+def test_the_title_says_what_road_it_is(tmp_path):
+    text = 'vehicle: {}\nplant: {bank: 0.01, wind: -2, friction: [0.9, 0.5, 0.9, 0.5]}'
+    path = write_file(tmp_path / 'car.yaml', text)
+    assert read_request(path, [], None, '2:8', '1:5').title == (
+        'car, friction 0.9 0.5 0.9 0.5, bank 0.01 rad, wind -2 m/s')
 
 
 @pytest.mark.parametrize('text', ['2', '2:', ':', 'a:b', '1:2:3', '0:5', '5:2', '3:3', '-2:2', 'nan:2', '1:inf', ''])

@@ -49,6 +49,30 @@ def test_a_fold_is_found_where_the_parameter_turns_back():
     assert inside.tangent[0] > 0.0 >= outside.tangent[0]
 
 
+def test_a_trace_holds_every_fold_and_finds_every_crossing():
+    """y**3 - y = level has three roots between the folds, one beyond them; at 0 they are -1, 0 and 1."""
+    curve = Curve(s_curve, PLANE)
+    points = curve.trace(curve.at(np.array([-1.0, -1.3])), 0.1, lambda point: point.place[0] < 1.0)
+    fold = 2.0 / 3.0 ** 1.5
+    rises = np.sign([point.tangent[0] for point in points])
+    turns = np.flatnonzero(np.diff(rises))
+    assert [points[i].place[0] for i in turns] == pytest.approx([fold, -fold], abs=1e-9)
+    for level in (-0.8, -0.3, 0.0, 0.99 * fold, 0.7):
+        expected = [root.real for root in np.roots([1.0, 0.0, -1.0, -level]) if abs(root.imag) < 1e-9]
+        found = [point.place[1] for point in curve.crossings(points, level)]
+        assert found == sorted(found)
+        assert found == pytest.approx(sorted(expected), abs=1e-9)
+
+
+def test_next_to_a_fold_both_crossings_are_found():
+    curve = Curve(s_curve, PLANE)
+    points = curve.trace(curve.at(np.array([-1.0, -1.3])), 0.1, lambda point: point.place[0] < 1.0)
+    for distance in (1e-4, 1e-6):
+        found = [point.place[1] for point in curve.crossings(points, 2.0 / 3.0 ** 1.5 - distance)]
+        # Near the fold level = top - sqrt(3) (y - fold)**2.
+        assert found[1] - found[0] == pytest.approx(2.0 * math.sqrt(distance / math.sqrt(3.0)), rel=0.01)
+
+
 def test_a_corner_is_passed():
     curve = Curve(lambda place: np.array([place[1] - 0.4 * abs(place[0])]), PLANE)
     points = list(islice(curve.follow(curve.at(np.array([-0.305, 0.1])), 0.1), 60))

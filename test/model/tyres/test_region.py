@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from omni_vehicle_ros.model.constants import BRUSH, DUGOFF, constants
 from omni_vehicle_ros.model.tyres.dugoff import first_critical_slip, second_critical_slip
-from omni_vehicle_ros.model.tyres.force import side_force
-from omni_vehicle_ros.model.tyres.region import Region, region
+from omni_vehicle_ros.model.tyres.force import side_force, tyre_force
+from omni_vehicle_ros.model.tyres.region import Region, combined_region, region
 from omni_vehicle_ros.parameters import VehicleParameters
 
 quiet = settings(
@@ -64,3 +64,37 @@ def test_a_wheel_in_the_air_slides_unless_it_runs_straight(tyre):
     assert region(0.1, 10.0, 0.0, tyre) is Region.SLIDING
     assert region(0.0, 10.0, 0.0, tyre) is Region.LINEAR
     assert region(0.0, 10.0, 3000.0, tyre) is Region.LINEAR
+
+
+@quiet
+@given(st.floats(-1.4, 1.4), st.floats(0.5, 40.0), st.floats(500.0, 8000.0))
+def test_a_wheel_that_rolls_freely_is_where_its_side_slip_alone_puts_it(tyre, angle, speed, capacity):
+    near = {region(angle * share, speed, capacity, tyre) for share in (0.998, 1.002)}
+    assert combined_region(angle, speed, speed, capacity, tyre) in near
+
+
+@quiet
+@given(st.floats(-0.5, 0.5), st.floats(-0.6, 0.6), st.floats(0.5, 40.0), st.floats(500.0, 8000.0))
+def test_with_spin_dugoffs_tyre_is_linear_up_to_lambda_1(angle, ratio, speed, capacity):
+    """Lambda of combined slip: mu Fz (1 - eps_r u hypot(S, tan)) (1 - S) / (2 hypot(C_s S, C_alpha tan))."""
+    tyre, slope = constants(VehicleParameters()), math.tan(angle)
+    rim_speed = speed * (1.0 + ratio) if ratio < 0.0 else speed / (1.0 - ratio)
+    demand = 2.0 * math.hypot(50000.0 * ratio, 30000.0 * slope)
+    left = capacity * max(0.0, 1.0 - 0.015 * speed * math.hypot(ratio, slope)) * (1.0 - abs(ratio))
+    if abs(left - demand) > 1e-3 * demand:
+        assert (combined_region(angle, rim_speed, speed, capacity, tyre) is Region.LINEAR) == (left > demand)
+
+
+def test_a_braked_wheel_slides_past_the_peak_of_its_brake_force(tyre):
+    """At a held speed of the rim, as a side-slip curve is at a held speed along the wheel."""
+    speeds = 15.0 * (1.0 + np.linspace(0.001, 0.9, 900))
+    forces = [-tyre_force(15.0, speed, 0.0, 3000.0, tyre)[0] for speed in speeds]
+    found = [combined_region(0.0, 15.0, speed, 3000.0, tyre) for speed in speeds]
+    assert found == sorted(found)
+    assert set(found) == set(Region)
+    assert speeds[found.index(Region.SLIDING)] == pytest.approx(speeds[int(np.argmax(forces))], abs=2.1 * 0.015)
+
+
+def test_a_locked_wheel_slides_whichever_way_it_moves(tyre):
+    for angle in (0.0, 0.3, 1.2):
+        assert combined_region(angle, 0.0, 20.0, 3000.0, tyre) is Region.SLIDING
