@@ -11,6 +11,7 @@ from omni_vehicle_ros.control.axles import (
     axle_slips,
     largest_force,
     level_slips,
+    within,
 )
 from omni_vehicle_ros.control.course import Course, CourseController, course_of, wheel_motion
 from omni_vehicle_ros.control.grip import Grip, traction_share
@@ -22,12 +23,24 @@ from omni_vehicle_ros.model.tyres.friction_circle import lateral_capacity
 from omni_vehicle_ros.parameters import SideSlipParameters, VehicleParameters
 from omni_vehicle_ros.wheels import PerWheel, per_wheel
 
-# Share of the slip limit up to which traction loads the axle that trails for the sake of the one that leads:
-# past the grip limit the one that leads must be the first to let go.
-_RESERVE = 0.7
+# Shares of the slip limit from which on traction does less for the slips, and up to which anything: what friction
+# is left then keeps the vehicle on its path.
+_LEVEL_WHOLE, _LEVEL_NONE = 0.5, 0.8
 
 # Difference of the axles' slips that never matters [rad].
 _SLIP_NOISE = 0.01
+
+# Share of what is left of a tyre's friction that levelling may use.
+_LEVEL_ROOM = 0.5
+
+# Slip over its limit that a wheel may have beside the command; its side force still grows there.
+_SLIDING = 1.25
+
+# Share of the slip limit that the slips fall short of what feedback wants where it counts as lost.
+_LOST = 0.25
+
+# Angle by which a path that can't be held turns less over its length of one wheelbase, per angle of drift.
+_RUN_WIDE = 2.0
 
 # Share of all friction that a change of the command may ask for.
 _FOR_CHANGE = 0.25
@@ -40,6 +53,14 @@ class _Scene(NamedTuple):
     tyres: Tyres
     drive: Resultant
     limit: float
+
+
+class _Path(NamedTuple):
+    """What the grip lets the vehicle do of its course: the slips, curvature [1/m], the wheels' directions [rad]."""
+
+    slips: AxleSlips
+    curvature: float
+    directions: PerWheel
 
 
 class AllocationController(CourseController):
@@ -67,9 +88,11 @@ class AllocationController(CourseController):
     direction would not do: past ``v^2 = 2 C l^2 / (m lf)``, 17 m/s by default, a larger front angle in the
     end turns the direction of the front axle the other way.
 
-    No axle is asked for more than half of the slip of the largest side force. Where the path asks for more,
-    the reference moves out to the curvature that the axles can hold without a yaw moment: the vehicle runs
-    wide, and comes back when it is slower.
+    No axle is asked for more than half of the slip of the largest side force, and no wheel is turned much
+    farther from the way that it really goes. Where the path asks for more, the reference moves out to the
+    curvature that the axles can hold without a yaw moment: the vehicle runs wide, and comes back when it is
+    slower. The difference of the axles, which turns the vehicle, comes before what they push together; and
+    where that is not enough to keep it from drifting outward, it turns less.
 
     Parameters
     ----------
@@ -91,6 +114,7 @@ class AllocationController(CourseController):
         self._before: Course | None = None
         self._last = self._last_level = NO_SLIP  # where to begin to solve
         self._expected = Twist(0.0, 0.0, 0.0)
+        self._lost = 0.0
 
     def _control(self, course: Course, sensed: Sensed, dt: float) -> Trims:
         vehicle, grip = self._vehicle, self._grip
@@ -103,15 +127,15 @@ class AllocationController(CourseController):
             resultant(forces, sensed.steer_angle, course.bearing, vehicle),
             grip.slip_limit(course.speed),
         )
-        slips, curvature = self._feed_forward(scene, dt)
-        slips = self._corrected(slips, curvature, scene, sensed.twist, dt)
-        steer_angle = self._steer(slips, curvature, scene, sensed.lateral_acceleration)
+        path = self._feed_forward(scene, dt)
+        path = path._replace(slips=self._corrected(path, scene, sensed, dt))
+        steer_angle = self._steer(path, scene, sensed.lateral_acceleration)
         if not self._parameters.allocation_traction:
             return Trims(steer_angle)
-        return Trims(steer_angle, self._drive(curvature, scene, sensed, capacities))
+        return Trims(steer_angle, self._drive(path.curvature, scene, sensed, capacities))
 
-    def _feed_forward(self, scene: _Scene, dt: float) -> tuple[AxleSlips, float]:
-        """Return the slips that the course asks for, and its curvature or what can be held of it [1/m]."""
+    def _feed_forward(self, scene: _Scene, dt: float) -> _Path:
+        """Return the course, or what can be held of it, and the slips that it asks for."""
         course, tyres, drive, limit = scene
         change = self._change(course, dt)
         pull = self._vehicle.mass * course.speed**2
@@ -119,13 +143,14 @@ class AllocationController(CourseController):
         demand = Demand(steady + change.force, change.moment - drive.moment)
         slips = self._last = axle_slips(demand, tyres, limit, self._last)
         if max(map(abs, slips)) < limit:
-            return slips, course.curvature
+            return _Path(slips, course.curvature, tyres.directions)
         most = largest_force(steady, -drive.moment, tyres, limit)
         if abs(steady) <= abs(most):
-            return slips, course.curvature
+            return _Path(slips, course.curvature, tyres.directions)
         self._notes.append((WARN, 'the path asks for more than the grip: running wide'))
         slips = axle_slips(demand._replace(force=most), tyres, limit)
-        return slips, (most + drive.across) / pull
+        curvature = (most + drive.across) / pull
+        return _Path(slips, curvature, wheel_motion(course.bearing, curvature, self._vehicle)[0])
 
     def _change(self, course: Course, dt: float) -> Demand:
         """Return what the change of bearing and curvature asks for; update what is expected."""
@@ -142,36 +167,42 @@ class AllocationController(CourseController):
         force, moment = self._vehicle.mass * course.speed * swing, self._vehicle.yaw_inertia * course.speed * curving
         return Demand(min(max(force, -most), most), min(max(moment, -most * arm), most * arm))
 
-    def _corrected(
-        self, slips: AxleSlips, curvature: float, scene: _Scene, measured: Twist, dt: float
-    ) -> AxleSlips:
-        """Return the slips with what the feedback adds, within their limit; no integral pushes beyond it."""
-        p, limit, speed = self._parameters, scene.limit, scene.course.speed
-        expected = course_of(self._expected, measured) or scene.course
-        most = abs(curvature)
-        turn = min(max(expected.curvature, -most), most) if curvature != scene.course.curvature else expected.curvature
+    def _corrected(self, path: _Path, scene: _Scene, sensed: Sensed, dt: float) -> AxleSlips:
+        """Return the slips with what the feedback adds, within their limits; no integral pushes beyond them."""
+        p, speed, base = self._parameters, scene.course.speed, scene.tyres.base
+        expected = course_of(self._expected, sensed.twist) or scene.course
         drift_error = -expected.drift / speed
-        yaw_error = (turn - measured.r / speed) * scene.tyres.base
-
-        def total(common: float, difference: float) -> AxleSlips:
-            both = p.allocation_gain * drift_error + common
-            half = 0.5 * (p.allocation_gain * yaw_error + difference)
-            return AxleSlips(slips.leading + both + half, slips.trailing + both - half)
-
+        yaw_error = (self._aim(expected.curvature, drift_error, path, scene) - sensed.twist.r / speed) * base
         step = p.allocation_integral_gain * dt
-        new = self._common + step * drift_error, self._difference + step * yaw_error
-        old = self._common, self._difference
-        pairs = zip(total(*new), total(*old), strict=True)
-        if any(abs(after) > max(limit, abs(before)) for after, before in pairs):
-            new = old
-        self._common, self._difference = new
-        lead, trail = total(*new)
-        return AxleSlips(min(max(lead, -limit), limit), min(max(trail, -limit), limit))
+        common, difference = self._common + step * drift_error, self._difference + step * yaw_error
+        both, half = p.allocation_gain * drift_error + common, 0.5 * (p.allocation_gain * yaw_error + difference)
+        wanted = AxleSlips(path.slips.leading + both + half, path.slips.trailing + both - half)
+        given = within(wanted, self._beside(path, scene, sensed), scene.limit, _SLIDING * scene.limit)
+        lost = abs(given.leading - wanted.leading) + abs(given.trailing - wanted.trailing)
+        if lost == 0.0:
+            self._common, self._difference = common, difference
+        self._lost = min(lost / (_LOST * scene.limit), 1.0)
+        return given
 
-    def _steer(self, slips: AxleSlips, curvature: float, scene: _Scene, lateral_acceleration: float) -> PerWheel:
-        """Return the steering trims: slip less roll steer, on the directions of the turn that can be held."""
-        told, each = scene.tyres.directions, scene.tyres.slips(slips)
-        held, _ = wheel_motion(scene.course.bearing, curvature, self._vehicle)
+    def _aim(self, expected: float, drift_error: float, path: _Path, scene: _Scene) -> float:
+        """Return the curvature to turn with: where slips are at their limits, a drift outward makes the path wider.
+
+        Nothing else could take the drift back, which would end in a spin.
+        """
+        if path.curvature != scene.course.curvature:
+            expected = min(max(expected, -abs(path.curvature)), abs(path.curvature))
+        side = math.copysign(1.0, path.curvature)
+        return expected - side * self._lost * _RUN_WIDE * max(side * drift_error, 0.0) / scene.tyres.base
+
+    def _beside(self, path: _Path, scene: _Scene, sensed: Sensed) -> AxleSlips:
+        """Return by how much the axles slip more than their steer angles would make them slip on the path [rad]."""
+        roll, angle, held = self._grip.roll_steer(sensed.lateral_acceleration), sensed.steer_angle, path.directions
+        told = per_wheel(lambda i: math.remainder(angle[i] + roll[i] - held[i], math.pi))
+        return scene.tyres.means(per_wheel(lambda i: sensed.side_slip[i] - told[i]))
+
+    def _steer(self, path: _Path, scene: _Scene, lateral_acceleration: float) -> PerWheel:
+        """Return the steering trims: slip less roll steer, on the directions of the path that can be held."""
+        told, held, each = scene.tyres.directions, path.directions, scene.tyres.slips(path.slips)
         roll = self._grip.roll_steer(lateral_acceleration)
         return per_wheel(lambda i: math.remainder(held[i] - told[i], math.tau) + each[i] - roll[i])
 
@@ -179,26 +210,28 @@ class AllocationController(CourseController):
         """Return the torques of the moment that levels the axles' slips, within the friction circles."""
         course, tyres, drive, limit = scene
         force = self._vehicle.mass * curvature * course.speed**2 - drive.across
-        slips = self._last_level = level_slips(force, tyres, limit, _RESERVE * limit, self._last_level)
+        slips = self._last_level = level_slips(force, tyres, limit, self._last_level)
         side = tyres.side_forces(slips)
-        room = per_wheel(lambda i: lateral_capacity(capacities[i], side[i]))
+        room = per_wheel(lambda i: _LEVEL_ROOM * lateral_capacity(capacities[i], side[i]))
         # What the drives make without the trim: the force along the course, shared equally.
         angle = sensed.steer_angle
         ways = per_wheel(lambda i: math.copysign(0.25, math.cos(angle[i] - tyres.directions[i])))
         present = per_wheel(lambda i: ways[i] * drive.along)
         levers = traction_levers(angle, self._vehicle)
         there = sum(force * lever for force, lever in zip(present, levers, strict=True))
-        moment = -tyres.made(slips).moment * _ease(slips, tyres.means(sensed.side_slip), _RESERVE * limit) - there
+        moment = -_ease(slips, tyres.means(sensed.side_slip), limit) * (tyres.made(slips).moment + there)
         added = easiest_moment_forces(moment, angle, course.bearing, room, self._vehicle)
         scale = traction_share(added, present, room) * self._vehicle.wheel_radius
         return per_wheel(lambda i: scale * added[i])
 
 
-def _ease(expected: AxleSlips, measured: AxleSlips, reserve: float) -> float:
-    """Return the share of the moment: down to 0 where the axle that trails slips far more than the other one.
+def _ease(expected: AxleSlips, measured: AxleSlips, limit: float) -> float:
+    """Return the share of the moment: down to 0 near the slip limit, and where the axle that trails slips far more.
 
     It does so where the road is more slippery than estimated: the moment would take from it what it does not
     have.
     """
-    excess = abs(measured.trailing) - min(abs(measured.leading), reserve)
-    return min(max(1.0 - excess / (0.5 * abs(expected.trailing) + _SLIP_NOISE), 0.0), 1.0)
+    worst = max(map(abs, (*expected, *measured))) / limit
+    excess = (abs(measured.trailing) - abs(measured.leading)) / (0.5 * abs(expected.trailing) + _SLIP_NOISE)
+    near = (_LEVEL_NONE - worst) / (_LEVEL_NONE - _LEVEL_WHOLE)
+    return min(max(near, 0.0), 1.0) * min(max(1.0 - excess, 0.0), 1.0)

@@ -171,18 +171,15 @@ def largest_force(side: float, moment: float, tyres: Tyres, limit: float) -> flo
     return tyres.made(_held(AxleSlips(beyond, beyond), moment, tyres, limit)).force
 
 
-def level_slips(force: float, tyres: Tyres, limit: float, reserve: float, start: AxleSlips = NO_SLIP) -> AxleSlips:
-    """Return slips that make a force, the same for both axles but for the reserve of the one that trails.
+def level_slips(force: float, tyres: Tyres, limit: float, start: AxleSlips = NO_SLIP) -> AxleSlips:
+    """Return the slips, the same for both axles, that make a force to the left of the course [N].
 
     Parameters
     ----------
     force
-        To the left of the course [N].
+        [N].
     tyres, limit, start
         As in `axle_slips`.
-    reserve
-        Largest slip of the axle that trails [rad]; the one that leads then makes what is missing of the
-        force.
     """
 
     def level(slip: float) -> tuple[float, float]:
@@ -190,15 +187,31 @@ def level_slips(force: float, tyres: Tyres, limit: float, reserve: float, start:
         return now.force, by_lead.force + by_trail.force
 
     slip = _balance(level, force, limit, start.trailing)
-    if abs(slip) <= reserve:
-        return AxleSlips(slip, slip)
-    trail = math.copysign(reserve, slip)
+    return AxleSlips(slip, slip)
 
-    def leading(slip: float) -> tuple[float, float]:
-        now, by_lead, _ = tyres.linearised(AxleSlips(slip, trail))
-        return now.force, by_lead.force
 
-    return AxleSlips(_balance(leading, force, limit, start.leading), trail)
+def within(wanted: AxleSlips, beside: AxleSlips, limit: float, sliding: float) -> AxleSlips:
+    """Return slips within their limits, and their difference before their sum.
+
+    The difference turns the vehicle, the sum moves it: so it may leave its path, but not its heading.
+
+    Parameters
+    ----------
+    wanted
+        Slips on the path.
+    beside
+        What the axles slip beside that already, as the vehicle does not move along its path.
+    limit, sliding
+        Largest slip on the path, and of both together [rad].
+    """
+    low, high = AxleSlips(*(-sliding - more for more in beside)), AxleSlips(*(sliding - more for more in beside))
+    lowest = AxleSlips(*(min(max(least, -limit), most) for least, most in zip(low, high, strict=True)))
+    highest = AxleSlips(*(max(min(most, limit), least) for least, most in zip(low, high, strict=True)))
+    shift = min(most - slip for most, slip in zip(highest, wanted, strict=True))
+    if shift >= 0.0:
+        shift = max(0.0, *(least - slip for least, slip in zip(lowest, wanted, strict=True)))
+    slips = (slip + shift for slip in wanted)
+    return AxleSlips(*(min(max(slip, least), most) for slip, least, most in zip(slips, lowest, highest, strict=True)))
 
 
 def _held(slips: AxleSlips, moment: float, tyres: Tyres, limit: float) -> AxleSlips:

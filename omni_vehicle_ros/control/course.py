@@ -9,6 +9,7 @@ import math
 from abc import ABC, abstractmethod
 from typing import NamedTuple
 
+from omni_vehicle_ros.control.friction_check import FrictionCheck
 from omni_vehicle_ros.control.health import ERROR, Health, health
 from omni_vehicle_ros.control.trim import NO_TRIMS, Cycles, Sensed, Trims, fade
 from omni_vehicle_ros.model.kinematics import Twist
@@ -92,6 +93,7 @@ class CourseController(ABC):
     def __init__(self, parameters: SideSlipParameters, vehicle: VehicleParameters) -> None:
         self._parameters, self._vehicle = parameters, vehicle
         self._cycles = Cycles()
+        self._friction_check = FrictionCheck(parameters, vehicle)
         self._trims = NO_TRIMS
         self._notes: list[tuple[int, str]] = []
         self._reset()
@@ -105,6 +107,7 @@ class CourseController(ABC):
         if not sensed.usable:
             self._notes.append((ERROR, 'what is measured or commanded is not finite: the last trims hold'))
             return self._trims
+        self._notes += self._friction_check.update(sensed, dt)
         course = course_of(sensed.commanded, sensed.twist)
         share = 0.0 if course is None else fade(max(course.speed, 0.0), self._parameters.minimum_speed)
         if dt == 0.0 or share == 0.0:

@@ -11,13 +11,21 @@ from omni_vehicle_ros.control.motion import (
     STRAIGHT,
     Motion,
     length_scale,
+    magnitude_on_the_way,
     nearest,
     opposite,
     turn_towards,
     twist_of_motion,
 )
-from omni_vehicle_ros.control.speed import SpeedController, measured_magnitude
-from omni_vehicle_ros.control.traction import STOPPING_RATE, clipped, moment_forces, traction_forces
+from omni_vehicle_ros.control.odometry import magnitude_along, measured_twist, sideways_speed
+from omni_vehicle_ros.control.speed import SpeedController
+from omni_vehicle_ros.control.traction import (
+    STOPPING_RATE,
+    clipped,
+    moment_forces,
+    stopping_forces,
+    traction_forces,
+)
 from omni_vehicle_ros.model.kinematics import Twist
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
@@ -34,13 +42,19 @@ _REST_SPEED = 0.05
 # A wheel slower than this share of the fastest is near the ICR: where it points hardly matters.
 _SLOW_WHEEL = 0.05
 
+# Across their headings over along them, in the mean of the wheels: from here on the vehicle slides sideways, and
+# so long; and the least speed across [m/s].
+_SLIDING = math.tan(0.6)
+_SLIDING_ON = math.tan(0.25)
+_SLIDING_SPEED = 0.7
+
 # A magnitude below this is rest when it is to become 0 [m/s].
 _REST = 0.01
 
 # No vehicle is faster [m/s]; keeps the sums below finite.
 _FASTEST = 1e3
 
-# A longer gap between two cycles counts as so many periods.
+# A longer gap between two cycles counts as so many periods, and the speed starts anew from what is measured.
 _LONGEST_STEP = 20
 _ZERO: PerWheel = (0.0, 0.0, 0.0, 0.0)
 _STILL = Twist(0.0, 0.0, 0.0)
@@ -98,6 +112,8 @@ class IcrSteering:
         self._now: int | None = None
         self._motion: Motion | None = None
         self._magnitude: float | None = None
+        self._twist = _STILL
+        self._sliding = False
         self._angles: PerWheel | None = None
         self._setpoints = Setpoints(_ZERO, _ZERO, _ZERO, _STILL)
         self._notes: list[tuple[int, str]] = []
@@ -135,11 +151,17 @@ class IcrSteering:
             return self._setpoints
         if self._now is not None and now < self._now:
             self._start()
-        dt = self._period if self._now is None else min((now - self._now) / NANOSECONDS, _LONGEST_STEP * self._period)
+        dt = self._period if self._now is None else (now - self._now) / NANOSECONDS
+        if dt > _LONGEST_STEP * self._period:
+            self._speed_controller.reset()
+            self._magnitude, dt = None, _LONGEST_STEP * self._period
         self._now = now
         self._measure(steer_angles, wheel_speeds)
         demand = self._driver.demand(now)
         sense = self._turn(demand.motion, dt)
+        self._twist = measured_twist(
+            self._measured_speeds, self._measured_angles, self._motion or STRAIGHT, self._vehicle
+        )
         self._setpoints = self._follow(demand, sense, dt)
         return self._setpoints
 
@@ -196,7 +218,10 @@ class IcrSteering:
             demand = demand._replace(magnitude=0.0, traction=None)
         if demand.traction is not None:
             return self._pull(demand.traction, steering.speeds, sense)
-        return self._drive(sense * demand.magnitude, steering.speeds, dt)
+        magnitude = demand.magnitude
+        if demand.motion is not None:
+            magnitude = magnitude_on_the_way(magnitude, self._motion, demand.motion)
+        return self._drive(sense * magnitude, steering.speeds, dt)
 
     def _rest(self, dt: float) -> Setpoints:
         """Keep the angles; before any command give no torque, at zero twist stand."""
@@ -214,9 +239,13 @@ class IcrSteering:
         return self._set(self._measured_magnitude(unit_speeds), unit_speeds, forces)
 
     def _drive(self, wanted: float, unit_speeds: PerWheel, dt: float) -> Setpoints:
-        speeds = self._measured_speeds
+        speeds, measured = self._measured_speeds, self._measured_magnitude(unit_speeds)
+        before = measured if self._magnitude is None else self._magnitude
+        if self._slides():
+            self._speed_controller.reset()
+            self._magnitude = math.copysign(min(abs(measured), abs(before)), before)
+            return self._set(self._magnitude, unit_speeds, self._brake())
         most = self._largest_magnitude(unit_speeds)
-        before = self._measured_magnitude(unit_speeds) if self._magnitude is None else self._magnitude
         # While the motion turns, the limit of the fastest wheel may come down faster than the speed may
         # change.
         before = min(max(before, -most), most)
@@ -230,7 +259,7 @@ class IcrSteering:
         if magnitude == 0.0 or (wanted * magnitude <= 0.0 and STOPPING_RATE * abs(magnitude) < limit):
             forces = self._speed_controller.stand(speeds, dt)
         else:
-            forces = self._speed_controller.drive(magnitude, (magnitude - before) / dt, unit_speeds, speeds, dt)
+            forces = self._speed_controller.drive(magnitude, measured, (magnitude - before) / dt, unit_speeds, dt)
         return self._set(magnitude, unit_speeds, forces)
 
     def _largest_magnitude(self, unit_speeds: PerWheel) -> float:
@@ -239,7 +268,22 @@ class IcrSteering:
 
     def _measured_magnitude(self, unit_speeds: PerWheel) -> float:
         most = self._largest_magnitude(unit_speeds)
-        return min(max(measured_magnitude(unit_speeds, self._measured_speeds), -most), most)
+        return min(max(magnitude_along(self._twist, self._motion or STRAIGHT, self._vehicle), -most), most)
+
+    def _slides(self) -> bool:
+        """Return whether the wheels go across their headings rather than along them, as in a spin."""
+        across, along = sideways_speed(self._twist, self._measured_angles, self._vehicle)
+        share = _SLIDING_ON if self._sliding else _SLIDING
+        self._sliding = across > max(share * along, _SLIDING_SPEED)
+        if self._sliding:
+            self._notes.append((WARN, 'the vehicle slides sideways: its wheels brake until they roll again'))
+        return self._sliding
+
+    def _brake(self) -> PerWheel:
+        mass = self._vehicle.mass
+        rate = self._steering.acceleration_limit
+        most = 0.25 * mass * rate if rate else self._steering.maximum_drive_force
+        return stopping_forces((most,) * 4, self._measured_speeds, mass)
 
     def _alignment(self, unit_speeds: PerWheel) -> float:
         """Return 1 if the wheels point where they should, down to 0 if one of them is far off."""

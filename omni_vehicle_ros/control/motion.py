@@ -17,6 +17,9 @@ from omni_vehicle_ros.parameters import VehicleParameters
 # Nearer to the centre of gravity than this, a speed of the centre of gravity says nothing about the yaw rate.
 MINIMUM_ICR_DISTANCE = 0.01
 
+# Share of the speed of the centre of gravity in a motion below which it is much like a spin in place.
+_NEARLY_SPIN = 0.3
+
 # cos of the angle past which the opposite direction, backwards, is the closer way: wide of 90 deg, so that a
 # change from left to right passes through straight on and not through a spin.
 _REVERSE = -math.sqrt(0.5)
@@ -97,6 +100,21 @@ def twist_of_motion(motion: Motion, magnitude: float, length: float) -> Twist:
 def magnitude_of_speed(motion: Motion, speed: float) -> float:
     """Return the magnitude that gives the centre of gravity a signed speed [m/s]; not for a spin in place."""
     return speed / math.hypot(motion.ux, motion.uy)
+
+
+def magnitude_on_the_way(magnitude: float, motion: Motion, target: Motion) -> float:
+    """Return the magnitude that already gives the centre of gravity the speed that it will have [m/s].
+
+    Parameters
+    ----------
+    magnitude
+        That goes with the target [m/s].
+    motion, target
+        The direction on the way, and the one that it turns towards. Of a spin in place, which has no such
+        speed, and for one that is far from the target, the magnitude stays near that of the target.
+    """
+    there = max(math.hypot(target.ux, target.uy), _NEARLY_SPIN)
+    return magnitude * there / max(math.hypot(motion.ux, motion.uy), _NEARLY_SPIN, 0.8 * there)
 
 
 def nearest(motion: Motion, reference: Motion) -> float:

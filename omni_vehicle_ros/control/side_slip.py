@@ -31,7 +31,7 @@ class SideSlipController:
 
     Positive side slip makes a force to the left, and a larger steer angle makes more of it (thesis eq. B.11),
     so this is negative feedback. The trim fades out below ``minimum_speed``, where a slip angle means little.
-    How large a gain may be: `omni_vehicle_ros.control.stability`. With the default actuator, 0.1 s and 5 ms,
+    How large a gain may be: `omni_vehicle_ros.control.loop_check`. With the default actuator, 0.1 s and 5 ms,
     and a period of 5 ms the limit is 20.5, and the largest gain of the thesis, 5, a quarter of it.
 
     Parameters

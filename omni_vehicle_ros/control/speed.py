@@ -19,12 +19,6 @@ _NO_FORCE: PerWheel = (0.0, 0.0, 0.0, 0.0)
 _EQUAL: PerWheel = (0.25, 0.25, 0.25, 0.25)
 
 
-def measured_magnitude(unit_speeds: PerWheel, speeds: PerWheel) -> float:
-    """Return the signed magnitude that fits the measured wheel speeds best, by least squares [m/s]."""
-    square = sum(unit * unit for unit in unit_speeds)
-    return sum(u * v for u, v in zip(unit_speeds, speeds, strict=True)) / square if square else 0.0
-
-
 class SpeedController:
     """PI control with feed-forward: on the mean of the wheels driving, on every single wheel standing.
 
@@ -52,18 +46,18 @@ class SpeedController:
         self._integral, self._standing = 0.0, None
 
     def drive(
-        self, magnitude: float, acceleration: float, unit_speeds: PerWheel, speeds: PerWheel, dt: float
+        self, magnitude: float, measured: float, acceleration: float, unit_speeds: PerWheel, dt: float
     ) -> PerWheel:
         """Return the forces that follow a magnitude.
 
         Parameters
         ----------
-        magnitude, acceleration
-            Commanded magnitude of the motion [m/s] and its rate [m/s2].
+        magnitude, measured
+            Commanded and measured magnitude of the motion [m/s].
+        acceleration
+            Rate of the commanded one [m/s2].
         unit_speeds
             Wheel speeds per magnitude.
-        speeds
-            Measured wheel speeds [m/s].
         dt
             Time since the last call [s].
 
@@ -73,12 +67,11 @@ class SpeedController:
             Forces along the wheels' headings [N].
         """
         signs = rolling_signs(unit_speeds)
-        weight = sum(map(abs, signs)) or 1.0
+        scale = sum(map(abs, unit_speeds)) / 4.0
         if self._standing is not None:
             self._integral = sum(s * f for s, f in zip(signs, self._standing, strict=True)) / self._mass
             self._standing = None
-        error = sum(signs[i] * (magnitude * unit_speeds[i] - speeds[i]) for i in range(4)) / weight
-        forward = acceleration * sum(map(abs, unit_speeds)) / 4.0
+        error, forward = scale * (magnitude - measured), scale * acceleration
         integral = self._integral + self._steering.speed_integral_gain * error * dt
         total = self._mass * (self._steering.speed_gain * error + integral + forward)
         forces = self._share(total, magnitude, signs)

@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 from omni_vehicle_ros.control.actuator import DriveActuator, SteerActuator
 from omni_vehicle_ros.control.freshness import CommandMonitor, Freshness
-from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
+from omni_vehicle_ros.control.health import ERROR, WARN, Health, Note, health
+from omni_vehicle_ros.interface import ICR_STEERING, SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.parameters import WheelModuleParameters
 
 
@@ -52,22 +53,22 @@ class WheelModule:
 
     Before its first command it is passive: it keeps the angle and gives no torque. A command older than
     ``module_timeout`` is stale: the module holds the angle that it has then and brakes its own wheel to rest.
-    A fresh command resumes at once. A trim that is too old is dropped, its angle and its torque. What is not
-    finite is not taken.
+    A fresh command resumes at once. A trim that is too old is dropped, its angle and its torque; what a trim
+    steers is bounded, whoever says it. What is not finite is not taken.
 
     Parameters
     ----------
     parameters
         Actuators and time-out.
-    vehicle
-        The vehicle that carries the module.
     control_period
         Time from one cycle to the next [s].
+    trim_limit
+        Largest steer angle that a trim adds, to either side [rad].
     """
 
-    def __init__(self, parameters: WheelModuleParameters, control_period: float) -> None:
+    def __init__(self, parameters: WheelModuleParameters, control_period: float, trim_limit: float) -> None:
         self._parameters = parameters
-        self._period = control_period
+        self._period, self._trim_limit = control_period, trim_limit
         self._steer = SteerActuator(parameters)
         self._drive = DriveActuator(parameters)
         self._commands = CommandMonitor(parameters.module_timeout)
@@ -79,7 +80,7 @@ class WheelModule:
         self._held_angle: float | None = None
         self._now: int | None = None
         self._refused: dict[str, str] = {}
-        self._notes: list[tuple[int, str]] = []
+        self._notes: list[Note] = []
         self._state = Freshness.NEVER
 
     def command(self, command: Setpoint) -> None:
@@ -141,7 +142,10 @@ class WheelModule:
     def _follow(self, now: int) -> tuple[float, float]:
         self._held_angle = None
         trim = self._fresh_trim(now)
-        angle, torque = self._command.steer_angle + trim.steer_angle, self._command.torque + trim.torque
+        added = min(max(trim.steer_angle, -self._trim_limit), self._trim_limit)
+        if added != trim.steer_angle:
+            self._notes.append((WARN, f'trim is beyond trim_limit, {self._trim_limit:g} rad: clipped'))
+        angle, torque = self._command.steer_angle + added, self._command.torque + trim.torque
         if abs(angle) > self._parameters.steer_limit:
             limit = self._parameters.steer_limit
             self._notes.append((WARN, f'steer angle and trim are beyond steer_limit, {limit:g} rad: clipped'))
@@ -156,7 +160,9 @@ class WheelModule:
         state = self._trims.state(now)
         if state is Freshness.STALE:
             limit = self._parameters.module_timeout
-            self._notes.append((WARN, f'trim is older than module_timeout, {limit:g} s: dropped'))
+            self._notes.append(
+                (WARN, f'no trim from {SIDE_SLIP_CONTROLLER} for module_timeout, {limit:g} s: set-point alone')
+            )
         return self._trim if state is Freshness.FRESH else NO_TRIM
 
     def _hold(self, now: int, wheel_speed: float) -> tuple[float, float]:
@@ -165,5 +171,7 @@ class WheelModule:
         if self._state is Freshness.NEVER:
             return self._held_angle, 0.0
         limit = self._parameters.module_timeout
-        self._notes.append((ERROR, f'command is older than module_timeout, {limit:g} s: angle held, wheel braked'))
+        self._notes.append(
+            (ERROR, f'no command from {ICR_STEERING} for module_timeout, {limit:g} s: angle held, wheel braked')
+        )
         return self._held_angle, -self._parameters.brake_gain * wheel_speed

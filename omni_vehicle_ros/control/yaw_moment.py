@@ -21,7 +21,7 @@ class YawMomentController(CourseController):
     half of the moment (thesis eq. 2.10, with the levers that turned wheels have), as far as the friction
     circle of every one of its tyres allows: the side force is reckoned from the measured slip, the load from
     the measured lateral acceleration. For how large the gains may be see
-    `omni_vehicle_ros.control.stability`.
+    `omni_vehicle_ros.control.gain_margin`.
 
     Parameters
     ----------

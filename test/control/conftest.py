@@ -31,8 +31,9 @@ class ClosedLoop:
     ):
         self.vehicle = VehicleParameters()
         self.icr_steering = IcrSteering(self.vehicle, steering or SteeringParameters(), PERIOD)
-        self.modules = [WheelModule(module or WheelModuleParameters(), PERIOD) for _ in range(4)]
-        self.slip = make_controller(slip or SideSlipParameters(proportional_gains=(0.0,) * 4), self.vehicle)
+        slip = slip or SideSlipParameters(proportional_gains=(0.0,) * 4)
+        self.modules = [WheelModule(module or WheelModuleParameters(), PERIOD, slip.trim_limit) for _ in range(4)]
+        self.slip = make_controller(slip, self.vehicle)
         self.environment = Environment(bank=bank, friction=(friction,) * 4)
         self.constant_speed = constant_speed
         self.constants, self.vector = constants(plant or self.vehicle), initial_state(speed)

@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from omni_vehicle_ros.control.allocation import AllocationController
+from omni_vehicle_ros.control.grip import Grip
 from omni_vehicle_ros.control.health import WARN
 from omni_vehicle_ros.control.trim import Sensed
 from omni_vehicle_ros.model.body import Environment, Inputs, derivative, evaluate
@@ -135,6 +136,21 @@ def test_past_the_grip_limit_it_runs_wide_and_comes_back(closed_loop, slip, spee
     assert max(loop.seen.side_slip) < math.radians(3.0)
 
 
+def test_in_a_small_turn_it_keeps_the_path_as_far_as_steering_can(closed_loop):
+    # v^2 / R is 0.62 g: the wheels stand at up to 60 deg, so that their forces do not all point to the centre.
+    loop, slips = turn(closed_loop, TRACTION, 3.5, 10.0, radius=2.0)
+    assert path_radius(loop) == pytest.approx(2.0, rel=0.005)
+    assert np.all(np.diff(slips, axis=0) > -1e-5)
+
+
+@pytest.mark.parametrize('radius, speed, drift', [(1.0, 2.5, 0.4), (2.0, 3.8, 0.15), (-3.0, 5.0, 0.15)])
+def test_past_the_limit_of_a_small_turn_it_runs_wide_and_does_not_spin(closed_loop, radius, speed, drift):
+    loop = closed_loop(slip=TRACTION, speed=speed)
+    for state in loop.run(10.0, lambda: loop.drive(speed, (0.0, radius))):
+        assert abs(state.vy) < drift * state.vx
+    assert path_radius(loop) / radius > 1.02
+
+
 @BOTH
 @pytest.mark.parametrize(
     'options',
@@ -214,7 +230,11 @@ def test_a_step_of_the_command_asks_for_no_more_than_the_limits():
     rolling = Sensed(wheel_speed=(6.0,) * 4, twist=Twist(6.0, 0.0, 0.0), commanded=Twist(6.0, 0.0, 0.0))
     law.update(0, rolling)
     trims = law.update(5_000_000, rolling._replace(commanded=Twist(6.0, 0.0, 1.2)))
-    assert 0.1 < trims.steer_angle[0] <= 0.5
+    # The wheels turn, and the axle no farther ahead of the motion that there is than by 5/4 of the slip limit.
+    told = [math.atan2(1.2, 6.0 - side * 0.718 * 1.2) for side in (1.0, -1.0)]
+    turned = [told[i] + trims.steer_angle[i] for i in range(2)]
+    assert min(turned) > 0.25
+    assert np.mean(turned) == pytest.approx(1.25 * Grip(VEHICLE, 0.9).slip_limit(6.0), abs=1e-9)
     assert max(map(abs, trims.torque)) < 1050.0
     # A step into a crab asks for a push to the side, at once and for one cycle only.
     law.update(10_000_000, rolling)
@@ -240,3 +260,10 @@ def test_the_least_sum_of_squares_of_all_forces_takes_a_quarter_of_the_levelling
     # By use of friction, with loads as they stand, both axles are level without any moment.
     loads = np.array([rear, front]) / length
     assert force * rear / length / loads[0] == pytest.approx(force * front / length / loads[1])
+
+
+def test_a_road_that_gives_less_than_the_estimate_is_told(closed_loop):
+    loop = closed_loop(slip=STEERING, speed=SPEED, friction=0.3)
+    for _ in loop.run(4.0, lambda: loop.drive(SPEED, (0.0, RADIUS))):
+        pass
+    assert 'friction_estimate 0.9' in loop.slip.status.message

@@ -6,7 +6,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omni_vehicle_ros.control.axles import AxleSlips, Demand, Tyres, axle_slips, largest_force, level_slips
+from omni_vehicle_ros.control.axles import (
+    NO_SLIP,
+    AxleSlips,
+    Demand,
+    Tyres,
+    axle_slips,
+    largest_force,
+    level_slips,
+    within,
+)
 from omni_vehicle_ros.control.course import Course, wheel_motion
 from omni_vehicle_ros.control.grip import Grip
 from omni_vehicle_ros.parameters import VehicleParameters
@@ -100,25 +109,41 @@ def test_more_grip_less_slip_and_a_larger_largest_force():
 def test_level_slips_need_the_moment_of_the_closed_form(ay):
     # Linear tyres, wheels straight: all slips are the same if traction makes Mz = (lr - lf) / 2 m ay.
     tyres = tyres_on()
-    slips = level_slips(MASS * ay, tyres, LIMIT, LIMIT)
+    slips = level_slips(MASS * ay, tyres, LIMIT)
     assert slips.leading == slips.trailing == pytest.approx(MASS * ay / (4.0 * VEHICLE.cornering_stiffness), rel=2e-3)
     assert tyres.made(slips).moment == pytest.approx(-0.5 * (REAR - FRONT) * MASS * ay, rel=2e-3)
 
 
-def test_the_axle_that_trails_keeps_its_reserve():
-    tyres = tyres_on(ay=6.0)
-    force = 0.8 * largest_force(1.0, 0.0, tyres, LIMIT)
-    level = level_slips(force, tyres, LIMIT, LIMIT)
-    kept = level_slips(force, tyres, LIMIT, 0.7 * level.trailing)
-    assert kept.trailing == pytest.approx(0.7 * level.trailing)
-    assert kept.leading > level.leading
-    assert tyres.made(kept).force == pytest.approx(tyres.made(level).force) == pytest.approx(force)
-    assert level_slips(-force, tyres_on(ay=-6.0), LIMIT, LIMIT).trailing == pytest.approx(-level.trailing)
+small = st.floats(-0.4, 0.4)
+SLIDING = 1.25 * LIMIT
+
+
+def fits(slips, beside):
+    return all(abs(s) <= LIMIT + 1e-12 and abs(s + b) <= SLIDING + 1e-12 for s, b in zip(slips, beside, strict=True))
+
+
+@settings(deadline=None)
+@given(small, small, small, small)
+def test_slips_keep_to_their_limits_on_both_sides_alike(lead, trail, more, other):
+    wanted, beside = AxleSlips(lead, trail), AxleSlips(more, other)
+    got = within(wanted, beside, LIMIT, SLIDING)
+    # No wheel slides farther than it may; only to turn back one that does, it may leave its limit on the path.
+    assert all(abs(s + b) <= SLIDING + 1e-12 for s, b in zip(got, beside, strict=True))
+    assert fits(got, beside) or max(map(abs, beside)) > LIMIT + SLIDING
+    assert got == wanted or not fits(wanted, beside)
+    mirrored = within(AxleSlips(-lead, -trail), AxleSlips(-more, -other), LIMIT, SLIDING)
+    assert mirrored == pytest.approx((-got.leading, -got.trailing))
+
+
+def test_the_sum_of_the_slips_gives_way_before_their_difference():
+    assert within(AxleSlips(1.5 * LIMIT, LIMIT), NO_SLIP, LIMIT, SLIDING) == pytest.approx((LIMIT, 0.5 * LIMIT))
+    assert within(AxleSlips(0.0, -1.2 * LIMIT), NO_SLIP, LIMIT, SLIDING) == pytest.approx((0.2 * LIMIT, -LIMIT))
+    assert within(AxleSlips(3.0 * LIMIT, -LIMIT), NO_SLIP, LIMIT, SLIDING) == pytest.approx((LIMIT, -LIMIT))
 
 
 def test_tyres_without_any_grip_do_not_trouble():
     course = Course(0.0, 0.2, 5.0, 0.0, 1.0)
     tyres = Tyres(course, (0.0,) * 4, (0.0,) * 4, GRIP, VEHICLE)
     assert axle_slips(Demand(1e3, 1e2), tyres, LIMIT) == (0.0, 0.0)
-    assert level_slips(1e3, tyres, LIMIT, LIMIT) == (0.0, 0.0)
+    assert level_slips(1e3, tyres, LIMIT) == (0.0, 0.0)
     assert largest_force(1.0, 0.0, tyres, LIMIT) == 0.0

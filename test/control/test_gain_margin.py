@@ -6,7 +6,7 @@ from scipy.linalg import expm
 
 from omni_vehicle_ros.control.actuator import DriveActuator, SteerActuator
 from omni_vehicle_ros.control.controllers import make_controller
-from omni_vehicle_ros.control.gain_margin import gain_margin
+from omni_vehicle_ros.control.gain_margin import motion_loop
 from omni_vehicle_ros.control.traction import traction_levers
 from omni_vehicle_ros.control.trim import Sensed
 from omni_vehicle_ros.model.kinematics import Twist
@@ -22,7 +22,7 @@ MARGINS = pytest.mark.parametrize('name', NAMES)
 
 
 def margin(name, speed, module=MODULE, period=PERIOD, **values):
-    return gain_margin(SideSlipParameters(controller=name, **values), VEHICLE, module, speed, period)
+    return motion_loop(SideSlipParameters(controller=name, **values), VEHICLE, module, speed, period).margin()
 
 
 def run(parameters, speed, module, period, duration, factor=1.0):

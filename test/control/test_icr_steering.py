@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omni_vehicle_ros.control.health import ERROR, OK, WARN
+from omni_vehicle_ros.control.health import ERROR, OK, WARN, health
 from omni_vehicle_ros.control.icr_steering import IcrSteering
 from omni_vehicle_ros.messages import Point, Twist, Wrench
 from omni_vehicle_ros.model.kinematics import Icr, road_steer_angles
@@ -285,7 +285,7 @@ def test_refusals_and_clamps_are_said_and_taken_back():
     assert 'nan' in bench.law.status.message
     assert 'maximum_speed, 30 m/s' in bench.law.status.message
     bench.drive(PERIOD, 2.0, (0.0, 5.0))
-    assert bench.law.status == (OK, 'following driver/speed', (('source', 'driver/speed'), ('state', 'fresh')))
+    assert bench.law.status == health([], 'following driver/speed', (('source', 'driver/speed'), ('state', 'fresh')))
 
 
 def test_a_refused_command_is_no_sign_of_life():
@@ -323,3 +323,56 @@ def test_the_way_through_angles_out_of_reach_is_taken_standing():
             standing |= bench.set.wheel_speed == ZERO
     assert standing
     assert twist_of(bench.set)[0] == pytest.approx((0.0, 0.0, 1.0), abs=1e-9)
+
+
+def test_turning_into_a_turn_does_not_make_the_vehicle_faster():
+    bench = Bench()
+    bench.drive(5.0, 3.5)
+    for _ in range(400):
+        bench.drive(PERIOD, 3.5, (0.0, 2.0))
+        twist, _ = twist_of(bench.set)
+        assert math.hypot(twist[0], twist[1]) == pytest.approx(3.5, abs=1e-6)
+
+
+def spinning(law, now, yaw_rate, vx=0.0):
+    """Feed straight wheels of a vehicle that turns under them."""
+    law.speed(Twist(0, 5.0), now)
+    return law.update(now, ZERO, tuple((vx - y * yaw_rate) / 0.35 for y in Y))
+
+
+def test_in_a_spin_the_drives_do_not_feed_it_but_brake_every_wheel():
+    law = IcrSteering(VEHICLE, SteeringParameters(), PERIOD)
+    for cycle in range(2000):
+        got = spinning(law, cycle * STEP, 2.5, vx=1.0)
+    assert law.status.level == WARN
+    assert 'slides sideways' in law.status.message
+    speeds = [1.0 - y * 2.5 for y in Y]
+    assert all(torque * speed < 0.0 for torque, speed in zip(got.torque, speeds, strict=True))
+    assert max(map(abs, got.torque)) <= 0.25 * VEHICLE.mass * 2.0 * 0.35 + 1e-9
+    # Rolling again, it drives on from the speed that is left: nothing has wound up.
+    after = spinning(law, 2000 * STEP, 0.0, vx=1.0)
+    assert law.status.level != WARN
+    assert 0.0 < max(after.torque) < 0.25 * VEHICLE.mass * 2.5 * 0.35
+    assert after.twist.vx == pytest.approx(1.0 + 2.0 * PERIOD)
+
+
+def test_a_turn_with_a_lot_of_slip_is_no_spin():
+    law, radius = IcrSteering(VEHICLE, SteeringParameters(), PERIOD), 5.0
+    angles = tuple(np.arctan2(X / radius, 1.0 - Y / radius))
+    for cycle in range(100):
+        law.icr(Point(0, 0.0, radius), cycle * STEP)
+        law.speed(Twist(0, 6.0), cycle * STEP)
+        vx, vy, r = 6.0, -1.5, 1.0  # 14 deg beside its nose, and running wide
+        speeds = (np.cos(angles) * (vx - Y * r) + np.sin(angles) * (vy + X * r)) / 0.35
+        law.update(cycle * STEP, angles, tuple(speeds))
+    assert 'slides' not in law.status.message
+
+
+def test_after_a_long_gap_the_speed_begins_with_what_is_measured():
+    bench = Bench(speeds=(10.0 / 0.35,) * 4)
+    bench.drive(1.0, 10.0)
+    bench.now += 5 * 10**9
+    bench.speeds = (4.0 / 0.35,) * 4
+    got = bench.drive(PERIOD, 10.0)
+    assert got.twist.vx < 4.0 + 2.0 * 21 * PERIOD
+    assert max(got.torque) < 0.25 * VEHICLE.mass * (2.0 + 2.0 * 0.3) * 0.35

@@ -121,3 +121,15 @@ def test_the_choice_to_drive_backwards_is_kept_on_the_way(start, target):
         now = m.turn_towards(now, aim, 0.01)
         assert m.nearest(target, now) == sense
     assert now == aim
+
+
+@settings(deadline=None)
+@given(directions(), directions(), st.floats(0.01, 10.0))
+def test_on_the_way_to_a_turn_the_centre_of_gravity_has_its_speed(motion, target, magnitude):
+    on_the_way = m.magnitude_on_the_way(magnitude, motion, target)
+    there, here = math.hypot(target.ux, target.uy), math.hypot(motion.ux, motion.uy)
+    assert 0.0 < on_the_way <= 1.25 * magnitude + 1e-9
+    assert on_the_way * here <= magnitude * max(there, 0.3) + 1e-9
+    if here >= 0.8 * there >= 0.3:
+        assert on_the_way * here == pytest.approx(magnitude * there)
+    assert m.magnitude_on_the_way(magnitude, target, target) == pytest.approx(magnitude)

@@ -10,12 +10,12 @@ from omni_vehicle_ros.control.health import ERROR, OK, WARN
 from omni_vehicle_ros.control.wheel_module import Setpoint, Trim, WheelModule
 from omni_vehicle_ros.parameters import WheelModuleParameters
 
-PERIOD, STEP = 0.005, 5_000_000
+PERIOD, STEP, TRIM_LIMIT = 0.005, 5_000_000, 0.5
 any_float = st.floats(allow_nan=True, allow_infinity=True)
 
 
 def module(**values):
-    return WheelModule(WheelModuleParameters(**values), PERIOD)
+    return WheelModule(WheelModuleParameters(**values), PERIOD, TRIM_LIMIT)
 
 
 def follow(wheel, cycles, angle=0.3, torque=50.0, trim=None, speed=10.0, begin=0, added_torque=0.0):
@@ -93,7 +93,7 @@ def test_old_trim_is_dropped_and_said():
     assert follow(wheel, 1, trim=0.1, added_torque=20.0) == pytest.approx((0.4, 0.0, 70.0))
     assert follow(wheel, 30, begin=1) == pytest.approx((0.3, 0.0, 50.0))
     assert wheel.status.level == WARN
-    assert 'trim is older' in wheel.status.message
+    assert 'no trim from side_slip_controller' in wheel.status.message
     assert follow(wheel, 1, trim=0.1, begin=31).steer_angle == pytest.approx(0.4)
     assert wheel.status.level == OK
 

@@ -8,10 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from omni_vehicle_ros.control.actuator import SteerActuator
+from omni_vehicle_ros.control.gain_margin import slip_loop
 from omni_vehicle_ros.control.side_slip import SideSlipController, exact_side_slip
-from omni_vehicle_ros.control.stability import side_slip_gain_limit
 from omni_vehicle_ros.control.trim import Sensed
 from omni_vehicle_ros.parameters import SideSlipParameters, WheelModuleParameters
+
+
+def gain_limit(tau, delay, period):
+    """Proportional gain at which the sampled slip loop begins to oscillate without end."""
+    module = WheelModuleParameters(steer_time_constant=tau, steer_delay=delay)
+    return slip_loop((1.0, 0.0, 0.0), 0.05, module, period).margin()
 
 
 def spectral_radius(gain, tau, delay, period):
@@ -46,21 +52,21 @@ def last_slips(gain, tau, delay, period, cycles=4000):
 @settings(deadline=None, max_examples=60)
 @given(st.floats(0.005, 0.3), st.floats(0.0, 0.04), st.floats(0.001, 0.02))
 def test_limit_is_where_an_eigenvalue_leaves_the_unit_circle(tau, delay, period):
-    limit = side_slip_gain_limit(tau, delay, period)
+    limit = gain_limit(tau, delay, period)
     assert spectral_radius(0.999 * limit, tau, delay, period) < 1.0
     assert spectral_radius(1.001 * limit, tau, delay, period) > 1.0
 
 
 def test_closed_forms():
     decay = math.exp(-0.05)
-    assert side_slip_gain_limit(0.1, 0.0, 0.005) == pytest.approx((1.0 + decay) / (1.0 - decay))
-    assert side_slip_gain_limit(0.1, 0.005, 0.005) == pytest.approx(1.0 / (1.0 - decay))
-    assert side_slip_gain_limit(1e-4, 0.0, 0.005) == pytest.approx(1.0)
+    assert gain_limit(0.1, 0.0, 0.005) == pytest.approx((1.0 + decay) / (1.0 - decay))
+    assert gain_limit(0.1, 0.005, 0.005) == pytest.approx(1.0 / (1.0 - decay))
+    assert gain_limit(0.001, 0.0, 0.02) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize('tau, delay, period', [(0.1, 0.005, 0.005), (0.05, 0.0, 0.005), (0.04, 0.012, 0.005)])
 def test_the_loop_settles_below_the_limit_and_not_above(tau, delay, period):
-    limit = side_slip_gain_limit(tau, delay, period)
+    limit = gain_limit(tau, delay, period)
     below = last_slips(0.9 * limit, tau, delay, period)
     assert max(below) - min(below) < 1e-6
     above = last_slips(1.1 * limit, tau, delay, period)
@@ -69,7 +75,7 @@ def test_the_loop_settles_below_the_limit_and_not_above(tau, delay, period):
 
 def test_defaults_hold_the_gains_of_the_thesis_with_a_margin_of_four():
     p = WheelModuleParameters()
-    assert side_slip_gain_limit(p.steer_time_constant, p.steer_delay, 0.005) > 4.0 * 5.0
+    assert gain_limit(p.steer_time_constant, p.steer_delay, 0.005) > 4.0 * 5.0
 
 
 @pytest.mark.parametrize('gain', [1.0, 5.0])

@@ -1,0 +1,99 @@
+"""The motion of the vehicle as its wheels tell it: steer angles and wheel speeds, nothing else.
+
+Every wheel measures the part of its velocity along its heading, v = (vx - y r) cos delta + (vy + x r) sin delta.
+Four of them tell the three numbers of the motion, side slip or not, unless they are parallel: then what lies across
+them can't be seen, and the commanded motion stands in.
+"""
+
+import math
+
+from omni_vehicle_ros.control.motion import Motion, length_scale
+from omni_vehicle_ros.model.kinematics import Twist
+from omni_vehicle_ros.parameters import VehicleParameters
+from omni_vehicle_ros.wheels import PerWheel, per_wheel
+
+# Weight of the command beside one wheel. Of what lies across the wheels little is seen by those that are turned
+# little; without this weight, one wheel that runs unlike the others would be taken for a motion several times as
+# fast.
+_PRIOR = 0.05
+
+# Keeps the equations regular where all wheels stand across the commanded motion.
+_REGULAR = 1e-6
+
+# Weight of the yaw rate in the speed of a motion that is not a spin in place: a path that is not quite the
+# commanded one is no other speed.
+_YAW = 0.05
+
+
+def measured_twist(speeds: PerWheel, steer_angles: PerWheel, motion: Motion, vehicle: VehicleParameters) -> Twist:
+    """Return the motion that fits the wheels best, by least squares.
+
+    Parameters
+    ----------
+    speeds
+        Measured speeds of the wheels over ground along their headings [m/s].
+    steer_angles
+        Measured [rad].
+    motion
+        Direction of the commanded motion.
+    vehicle
+        Positions of the wheels.
+    """
+    length = length_scale(vehicle)
+    x, y = vehicle.wheel_x, vehicle.wheel_y
+    (ux, uy, ur), plain = motion, _PRIOR + _REGULAR
+    xx, yy, rr = plain - _PRIOR * ux * ux, plain - _PRIOR * uy * uy, plain - _PRIOR * ur * ur
+    xy, xr, yr = -_PRIOR * ux * uy, -_PRIOR * ux * ur, -_PRIOR * uy * ur
+    bx = by = br = 0.0
+    for i in range(4):
+        cos, sin = math.cos(steer_angles[i]), math.sin(steer_angles[i])
+        arm = (x[i] * sin - y[i] * cos) / length
+        xx, yy, rr = xx + cos * cos, yy + sin * sin, rr + arm * arm
+        xy, xr, yr = xy + cos * sin, xr + cos * arm, yr + sin * arm
+        bx, by, br = bx + cos * speeds[i], by + sin * speeds[i], br + arm * speeds[i]
+    # The inverse of a symmetric matrix by its cofactors.
+    cx, cy, cr = yy * rr - yr * yr, xr * yr - xy * rr, xy * yr - xr * yy
+    dy, dr, er = xx * rr - xr * xr, xy * xr - xx * yr, xx * yy - xy * xy
+    determinant = xx * cx + xy * cy + xr * cr
+    return Twist(
+        (cx * bx + cy * by + cr * br) / determinant,
+        (cy * bx + dy * by + dr * br) / determinant,
+        (cr * bx + dr * by + er * br) / determinant / length,
+    )
+
+
+def magnitude_along(twist: Twist, motion: Motion, vehicle: VehicleParameters) -> float:
+    """Return the signed magnitude of a commanded motion at which the vehicle is as fast as it is [m/s].
+
+    Parameters
+    ----------
+    twist
+        Of the vehicle.
+    motion
+        The commanded direction.
+    vehicle
+        Its wheelbase.
+    """
+    ux, uy, ur = motion
+    along = ux * twist.vx + uy * twist.vy + _YAW * ur * twist.r * length_scale(vehicle)
+    return along / (ux * ux + uy * uy + _YAW * ur * ur)
+
+
+def sideways_speed(twist: Twist, steer_angles: PerWheel, vehicle: VehicleParameters) -> tuple[float, float]:
+    """Return how fast the wheels move across their headings, and along them, in the mean [m/s].
+
+    Parameters
+    ----------
+    twist
+        Of the vehicle.
+    steer_angles
+        [rad].
+    vehicle
+        Positions of the wheels.
+    """
+    x, y = vehicle.wheel_x, vehicle.wheel_y
+    ahead, left = per_wheel(lambda i: twist.vx - y[i] * twist.r), per_wheel(lambda i: twist.vy + x[i] * twist.r)
+    cos, sin = per_wheel(lambda i: math.cos(steer_angles[i])), per_wheel(lambda i: math.sin(steer_angles[i]))
+    across = sum(abs(left[i] * cos[i] - ahead[i] * sin[i]) for i in range(4))
+    along = sum(abs(ahead[i] * cos[i] + left[i] * sin[i]) for i in range(4))
+    return 0.25 * across, 0.25 * along
