@@ -87,7 +87,10 @@ def _wheel_topics(number: int) -> tuple[Topic, ...]:
         ),
         Topic(
             f'{wheel}/trim', 'sensor_msgs/msg/JointState', COMMAND, (SIDE_SLIP_CONTROLLER,), (module,),
-            'Steer angle and drive torque that the side-slip controller adds to the command.',
+            'Steer angle and drive torque that the side-slip controller adds to the command; the module holds the '
+            'angle to trim_limit. With the controller wheel_slip in reverse, gains on the front wheels turn these, '
+            'which trail then, inward until they make no side force: the vehicle turns tighter than commanded, and '
+            'spins from 4 m/s on.',
             (
                 ('header.stamp', 'the cycle that it belongs to'),
                 ('name', joints),
@@ -282,7 +285,8 @@ TOPICS: tuple[Topic, ...] = (
     ),
     Topic(
         '/diagnostics', 'diagnostic_msgs/msg/DiagnosticArray', STATE, NODES, (),
-        'Health of every node: once a second of simulated time, and at every change.',
+        'Health of every node: once a second of simulated time, and at every change; what was wrong is said for a '
+        'second after it has ended.',
         (
             ('header.stamp', 'simulated time'),
             ('status[].level', '0 OK, 1 warning, 2 error, 3 stale'),

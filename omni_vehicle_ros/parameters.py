@@ -269,21 +269,23 @@ class SideSlipParameters(Parameters):
     controller: str = parameter(
         'wheel_slip',
         'wheel_slip: a PID for each wheel, target slip 0 (thesis, chapter 5); yaw_moment: more traction on one side than on the other (2.10); '
-        'rear_steering: rear angles for zero body slip (2.11); allocation: equal slips on the commanded path.',
+        'rear_steering: rear angles for zero body slip (2.11); allocation: equal slips on the commanded path. '
+        'Where wheel_slip takes the slip from an axle it takes its side force, too: the axle that leads runs wide, but one that trails no longer '
+        'holds the tail. So with gains on the front wheels do not turn in reverse: a circle of 5 m becomes one of 3.8 m at 3 m/s, and a spin at 4 m/s.',
         choices=('wheel_slip', 'yaw_moment', 'rear_steering', 'allocation'),
     )
-    proportional_gains: PerWheel = parameter((5.0, 5.0, 0.0, 0.0), 'Steer angle per side-slip angle; with the default actuators the loop is stable below 20.', unit='rad/rad', low=0.0, high=100.0)
+    proportional_gains: PerWheel = parameter((5.0, 5.0, 0.0, 0.0), 'Steer angle per side-slip angle; with the default actuators the loop is stable below 20.5. Gains of an unstable loop are refused, here and below.', unit='rad/rad', low=0.0, high=100.0)
     integral_gains: PerWheel = parameter((0.0, 0.0, 0.0, 0.0), 'Steer rate per side-slip angle.', unit='1/s', low=0.0, high=100.0)
     derivative_gains: PerWheel = parameter((0.0, 0.0, 0.0, 0.0), 'Steer angle per rate of the side-slip angle.', unit='s', low=0.0, high=10.0)
     derivative_time_constant: float = parameter(0.05, 'Filter time constant of the derivative part.', unit='s', low=0.001, high=10.0)
-    trim_limit: float = parameter(0.5, 'Largest steering trim, to either side.', unit='rad', low=0.0, high=3.1415)
+    trim_limit: float = parameter(0.5, 'Largest steering trim, to either side; the wheel modules hold every trim to it, so that it can be lowered live, but not raised above what it was at the start.', unit='rad', low=0.0, high=3.1415)
     minimum_speed: float = parameter(1.0, 'No trim below half of this speed, the whole trim above it.', unit='m/s', low=0.01, high=30.0)
     friction_estimate: float = parameter(0.9, 'Friction coefficient that yaw_moment and allocation reckon with.', low=0.01, high=2.0)
-    yaw_gain: float = parameter(20000.0, 'yaw_moment: moment per error of the yaw rate.', unit='N m s/rad', low=0.0, high=1e6)
-    yaw_integral_gain: float = parameter(100000.0, 'yaw_moment: rate of the moment per error of the yaw rate.', unit='N m/rad', low=0.0, high=1e7)
-    yaw_derivative_gain: float = parameter(0.0, 'yaw_moment: moment per rate of the error of the yaw rate.', unit='N m s2/rad', low=0.0, high=1e5)
-    allocation_gain: float = parameter(1.0, 'allocation: steer angle per error of the direction that an axle moves in.', unit='rad/rad', low=0.0, high=20.0)
-    allocation_integral_gain: float = parameter(4.0, 'allocation: steer rate per error of the direction that an axle moves in.', unit='1/s', low=0.0, high=100.0)
+    yaw_gain: float = parameter(20000.0, 'yaw_moment: moment per error of the yaw rate; with the other defaults stable below 780000 N m s/rad.', unit='N m s/rad', low=0.0, high=1e6)
+    yaw_integral_gain: float = parameter(100000.0, 'yaw_moment: rate of the moment per error of the yaw rate; with the other defaults stable below 580000 N m/rad.', unit='N m/rad', low=0.0, high=1e7)
+    yaw_derivative_gain: float = parameter(0.0, 'yaw_moment: moment per rate of the error of the yaw rate; with the other defaults stable below 71000 N m s2/rad.', unit='N m s2/rad', low=0.0, high=1e5)
+    allocation_gain: float = parameter(1.0, 'allocation: steer angle per error of the direction that an axle moves in; with the other defaults stable below 14.', unit='rad/rad', low=0.0, high=20.0)
+    allocation_integral_gain: float = parameter(4.0, 'allocation: steer rate per error of the direction that an axle moves in; with the other defaults stable below 13 1/s.', unit='1/s', low=0.0, high=100.0)
     reference_time_constant: float = parameter(0.1, 'yaw_moment and allocation: lag of the motion that the feedback expects, about that of the steering.', unit='s', low=0.001, high=10.0)
     allocation_traction: bool = parameter(True, 'allocation: a left/right difference of traction makes the slips of both axles equal, too.')
 

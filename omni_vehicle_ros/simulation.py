@@ -7,7 +7,7 @@ from omni_vehicle_ros import interface
 from omni_vehicle_ros.bags import Bag
 from omni_vehicle_ros.bags.memory import MemoryWriter
 from omni_vehicle_ros.bags.writer import BagWriter
-from omni_vehicle_ros.components.component import OK, Component, Output, Reporter
+from omni_vehicle_ros.components.component import Component, Output, Reporter
 from omni_vehicle_ros.components.driver import Driver
 from omni_vehicle_ros.components.exact_side_slip import ExactSideSlip
 from omni_vehicle_ros.components.icr_steering import IcrSteering
@@ -16,6 +16,7 @@ from omni_vehicle_ros.components.journal import Journal
 from omni_vehicle_ros.components.plant import Plant
 from omni_vehicle_ros.components.side_slip_controller import SideSlipController
 from omni_vehicle_ros.components.wheel_module import WheelModule
+from omni_vehicle_ros.control.health import health
 from omni_vehicle_ros.errors import ScenarioError
 from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER, TOPICS, WHEEL_MODULES
 from omni_vehicle_ros.messages import encode
@@ -56,7 +57,8 @@ class Simulation:
         self.plant = Plant(scenario.vehicle, scenario.plant, name=name(interface.PLANT), slip_gain=gains or ZEROS)
         modules = [
             WheelModule(
-                role.split('/')[0], scenario.wheel_module, period, trimmed=controlled, name=name(role)
+                role.split('/')[0], scenario.wheel_module, period, scenario.side_slip.trim_limit,
+                trimmed=controlled, name=name(role),
             )
             for role in WHEEL_MODULES
         ]
@@ -90,7 +92,7 @@ class Simulation:
             for _, component in self._chain:
                 self._say(stamp, component.step(stamp))
             if stamp % (ACKNOWLEDGE * self.plant.period) == 0:
-                self._say(stamp, self._recorder.report(stamp, OK, 'recording'))
+                self._say(stamp, self._recorder.report(stamp, health([], 'recording')))
                 progress(stamp / 1e9)
             if stamp >= self.end:
                 break

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple, Protocol
 
+from omni_vehicle_ros.control.health import Health, Hold
 from omni_vehicle_ros.messages import Diagnostics, Status, Value
 
 NANOSECONDS = 1_000_000_000
@@ -43,26 +44,25 @@ class Component(Protocol):
 
 
 class Reporter:
-    """Decides when the health of a component is worth a diagnostic: at a change, and once a second."""
+    """Decides when the health of a component is worth a diagnostic: at a change, and once a second.
+
+    What is wrong is said for a second after it was last so (`omni_vehicle_ros.control.health.Hold`).
+    """
 
     def __init__(self, name: str) -> None:
         self._name = name
         self._last: Status | None = None
         self._when = -DIAGNOSTICS_PERIOD
+        self._hold = Hold()
 
-    def report(self, stamp: int, level: int, message: str, values: tuple[tuple[str, str], ...] = ()) -> list[Output]:
+    def report(self, stamp: int, state: Health) -> list[Output]:
         """Return the message to publish on /diagnostics, or nothing."""
-        status = Status(level, self._name, message, values)
+        state = self._hold.update(stamp, state)
+        level, message = state.level, state.message
+        status = Status(level, self._name, message, state.values)
         last, age = self._last, stamp - self._when
         changed = last is None or level != last.level or (message != last.message and age >= DIAGNOSTICS_GAP)
         if not changed and age < DIAGNOSTICS_PERIOD:
             return []
         self._last, self._when = status, stamp
         return [Output('/diagnostics', Diagnostics(stamp, (status,)))]
-
-
-def worst(*healths: tuple[int, str]) -> tuple[int, str]:
-    """Return the highest level, with the messages that have one above OK joined."""
-    level = max(level for level, _ in healths)
-    texts = [text for at, text in healths if at > OK] or [healths[0][1]]
-    return level, '; '.join(texts)

@@ -1,6 +1,7 @@
 """The driver of a scenario: says what its script says, when it says it."""
 
-from omni_vehicle_ros.components.component import OK, Output, Reporter
+from omni_vehicle_ros.components.component import Output, Reporter
+from omni_vehicle_ros.control.health import health
 from omni_vehicle_ros.interface import TOPICS
 from omni_vehicle_ros.messages import Step, Value
 from omni_vehicle_ros.scenarios.scenario import Scenario
@@ -29,7 +30,7 @@ class Driver:
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the commands of every cycle up to ``stamp`` [ns] that were not yet said."""
         cycle = stamp // self._period
-        outputs = self._reporter.report(stamp, OK, 'playing')
+        outputs = self._reporter.report(stamp, health([], 'playing'))
         for passed in range(self._next_cycle, cycle + 1):
             said = sorted(self._script.messages(passed), key=lambda message: _ORDER[message[0]])
             outputs += [Output(topic, value) for topic, value in said]

@@ -1,8 +1,9 @@
 """The controller wheel_slip in its exact form, for ideal actuators: the plant solves it, this one says it."""
 
-from omni_vehicle_ros.components.component import OK, WARN, Output, Reporter
+from omni_vehicle_ros.components.component import WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import module_joints
 from omni_vehicle_ros.components.plant import Plant
+from omni_vehicle_ros.control.health import health
 from omni_vehicle_ros.messages import Value
 from omni_vehicle_ros.parameters import SideSlipParameters
 from omni_vehicle_ros.wheels import WHEELS
@@ -41,8 +42,8 @@ class ExactSideSlip:
         """Return the trims at ``stamp`` [ns]."""
         trims = self._plant.trims
         beyond = ', '.join(wheel for wheel, trim in zip(WHEELS, trims, strict=True) if abs(trim) > self._limit)
-        health = (WARN, f'trim of {beyond} is beyond trim_limit, {self._limit:g} rad: the exact form has no limit')
-        outputs = self._reporter.report(stamp, *(health if beyond else (OK, 'controlling side slip')))
+        note = WARN, f'trim of {beyond} is beyond trim_limit, {self._limit:g} rad: the exact form has no limit'
+        outputs = self._reporter.report(stamp, health([note] if beyond else [], 'controlling side slip'))
         for wheel, trim in zip(WHEELS, trims, strict=True):
             outputs.append(Output(f'{wheel}/trim', module_joints(wheel, stamp, (trim, 0.0), (0.0, 0.0))))
         return outputs

@@ -1,6 +1,6 @@
 """ICR steering: driver commands in, set-points of the four wheel modules out."""
 
-from omni_vehicle_ros.components.component import ERROR, Output, Reporter, worst
+from omni_vehicle_ros.components.component import ERROR, Output, Reporter
 from omni_vehicle_ros.components.joints import VehicleJoints, module_joints, vehicle_joints
 from omni_vehicle_ros.control.icr_steering import IcrSteering as Law
 from omni_vehicle_ros.messages import Joints, Point, Twist, Value, Wrench
@@ -44,10 +44,10 @@ class IcrSteering:
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the set-points that belong to ``stamp`` [ns]."""
         setpoints = self._law.update(stamp, self._joints.steer_angle, self._joints.wheel_speed)
-        health = (self._law.status.level, self._law.status.message)
+        state = self._law.status
         if self._blind:
-            health = worst(health, (ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
-        outputs = self._reporter.report(stamp, *health)
+            state = state.with_notes((ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
+        outputs = self._reporter.report(stamp, state)
         outputs.append(Output('commanded_twist', Twist(stamp, *setpoints.twist)))
         for i, wheel in enumerate(WHEELS):
             steer, drive = (setpoints.steer_angle[i], 0.0), (setpoints.wheel_speed[i], setpoints.torque[i])

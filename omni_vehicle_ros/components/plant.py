@@ -4,8 +4,9 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros import interface
-from omni_vehicle_ros.components.component import ERROR, OK, WARN, Output, Reporter
+from omni_vehicle_ros.components.component import ERROR, WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import ZEROS, VehicleJoints
+from omni_vehicle_ros.control.health import Health, health
 from omni_vehicle_ros.messages import Clock, Forces, Imu, Joints, Odometry, Step, Value, Vector
 from omni_vehicle_ros.model.body_model import body_model
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
@@ -186,23 +187,24 @@ class Plant:
         ]
         if self._publish_clock:
             outputs.append(Output('/clock', Clock(stamp)))
-        outputs += self._reporter.report(stamp, *self._health(stamp, now))
+        outputs += self._reporter.report(stamp, self._health(stamp, now))
         outputs.append(Output('joint_states', joints.message(stamp, interface.BASE_FRAME)))
         return outputs
 
-    def _health(self, stamp: int, now: Evaluation) -> tuple[int, str]:
+    def _health(self, stamp: int, now: Evaluation) -> Health:
         if self._passive and stamp < START_UP and not self._heard.issuperset(self._passive):
-            return OK, 'waiting for the first answer of the wheel modules'
+            return health([], 'waiting for the first answer of the wheel modules')
+        notes = []
         if self._passive:
             silent = ', '.join(topic.removesuffix('/state') + '/wheel_module' for topic in self._passive)
-            return ERROR, f'no answer from {silent}: no torque, steer angle held'
+            notes.append((ERROR, f'no answer from {silent}: no torque, steer angle held'))
         if self._rejected:
-            message, self._rejected = self._rejected, ''
-            return ERROR, message
+            notes.append((ERROR, self._rejected))
+            self._rejected = ''
         lifted = [wheel for wheel, up in zip(WHEELS, now.lifted, strict=True) if up]
         if lifted:
-            return WARN, f'rollover warning: no load on {", ".join(lifted)}'
-        return OK, 'driving'
+            notes.append((WARN, f'rollover warning: no load on {", ".join(lifted)}'))
+        return health(notes, 'driving')
 
 
 def changed_environment(environment: Environment, topic: str, value: Value) -> Environment:

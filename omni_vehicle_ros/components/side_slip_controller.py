@@ -1,6 +1,6 @@
 """The side-slip controller: what the vehicle does and should do in, trims of steering and drive out."""
 
-from omni_vehicle_ros.components.component import ERROR, Output, Reporter, worst
+from omni_vehicle_ros.components.component import ERROR, Output, Reporter
 from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
 from omni_vehicle_ros.control.controllers import make_controller
 from omni_vehicle_ros.control.trim import Sensed
@@ -66,10 +66,10 @@ class SideSlipController:
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the trims that belong to ``stamp`` [ns]."""
         trims = self._law.update(stamp, self._sensed)
-        health = (self._law.status.level, self._law.status.message)
+        state = self._law.status
         if self._blind:
-            health = worst(health, (ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
-        outputs = self._reporter.report(stamp, *health)
+            state = state.with_notes((ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
+        outputs = self._reporter.report(stamp, state)
         for i, wheel in enumerate(WHEELS):
             joints = module_joints(wheel, stamp, (trims.steer_angle[i], 0.0), (0.0, trims.torque[i]))
             outputs.append(Output(f'{wheel}/trim', joints))

@@ -1,12 +1,17 @@
 """One wheel module: set-point and trim in, what its actuators do out."""
 
-from omni_vehicle_ros.components.component import OK, WARN, Output, Reporter, worst
+from omni_vehicle_ros.components.component import NANOSECONDS, WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
+from omni_vehicle_ros.control.health import Note
 from omni_vehicle_ros.control.wheel_module import Setpoint, Trim
 from omni_vehicle_ros.control.wheel_module import WheelModule as Law
+from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.messages import Joints, Value
 from omni_vehicle_ros.parameters import WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS
+
+START_UP = 2 * NANOSECONDS
+"""Simulated time that the first trim may take [ns]."""
 
 
 class WheelModule:
@@ -20,6 +25,8 @@ class WheelModule:
         The actuators, and when it stops trusting its command.
     control_period
         Time from one cycle to the next [s].
+    trim_limit
+        Largest steer angle that a trim adds [rad].
     trimmed
         Whether a side-slip controller answers in every cycle.
     """
@@ -31,6 +38,7 @@ class WheelModule:
         wheel: str,
         parameters: WheelModuleParameters,
         control_period: float,
+        trim_limit: float,
         *,
         trimmed: bool = True,
         name: str | None = None,
@@ -40,7 +48,9 @@ class WheelModule:
         command, trim = f'{wheel}/command', f'{wheel}/trim'
         self.sources: tuple[str, ...] = (command, trim) if trimmed else (command,)
         self._index = WHEELS.index(wheel)
-        self._law = Law(parameters, control_period)
+        self._law = Law(parameters, control_period, trim_limit)
+        self._begun: int | None = None
+        self._awaits_trim = trimmed
         self._wheel_speed = 0.0
         self._malformed = ''
         self._reporter = Reporter(self.name)
@@ -58,14 +68,22 @@ class WheelModule:
         elif topic.endswith('/command'):
             self._law.command(Setpoint(value.stamp, value.position[0], value.velocity[1], value.effort[1]))
         else:
+            self._awaits_trim = False
             self._law.trim(Trim(value.stamp, value.position[0], value.effort[1]))
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return what the actuators do from ``stamp`` [ns] to the next cycle."""
         state = self._law.update(stamp, self._wheel_speed)
-        health = (self._law.status.level, self._law.status.message)
-        malformed, self._malformed = self._malformed, ''
-        outputs = self._reporter.report(stamp, *worst(health, (WARN, malformed) if malformed else (OK, '')))
+        outputs = self._reporter.report(stamp, self._law.status.with_notes(*self._own_notes(stamp)))
         steer, drive = (state.steer_angle, state.steer_rate), (self._wheel_speed, state.drive_torque)
         outputs.append(Output(f'{self.wheel}/state', module_joints(self.wheel, stamp, steer, drive)))
         return outputs
+
+    def _own_notes(self, stamp: int) -> list[Note]:
+        """Return what is wrong beside what the law says."""
+        notes = [(WARN, self._malformed)] if self._malformed else []
+        self._malformed = ''
+        self._begun = stamp if self._begun is None else min(self._begun, stamp)
+        if self._awaits_trim and stamp - self._begun >= START_UP:
+            notes.append((WARN, f'no trim from {SIDE_SLIP_CONTROLLER} yet: set-point alone'))
+        return notes

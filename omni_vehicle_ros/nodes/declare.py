@@ -64,7 +64,10 @@ def _store_coerced(node: Node, name: str, value: Any) -> None:
 
 
 def on_change(node: Node, current: P, apply: Callable[[P], None]) -> None:
-    """Call ``apply`` with the new parameters whenever some of ``current`` are set; refuse bad ones with the reason."""
+    """Call ``apply`` with the new parameters whenever some of ``current`` are set; refuse bad ones with the reason.
+
+    ``apply`` refuses them by a ParameterError.
+    """
     held = [current]
 
     def check(changes: list[Parameter]) -> SetParametersResult:
@@ -72,10 +75,11 @@ def on_change(node: Node, current: P, apply: Callable[[P], None]) -> None:
         values = {change.name: _plain(change.value) for change in changes if change.name in names}
         if values:
             try:
-                held[0] = type(held[0]).from_mapping({**held[0].as_dict(), **values})
+                changed = type(held[0]).from_mapping({**held[0].as_dict(), **values})
+                apply(changed)
             except ParameterError as error:
                 return SetParametersResult(successful=False, reason=str(error))
-            apply(held[0])
+            held[0] = changed
         return SetParametersResult(successful=True)
 
     def store(changes: list[Parameter]) -> None:

@@ -9,8 +9,9 @@ from rclpy.context import Context
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.bags.writer import BagWriter
-from omni_vehicle_ros.components.component import ERROR, OK, Reporter
+from omni_vehicle_ros.components.component import ERROR, Reporter
 from omni_vehicle_ros.components.journal import Journal
+from omni_vehicle_ros.control.health import health
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import Step, decode
 from omni_vehicle_ros.nodes.declare import declare
@@ -70,10 +71,11 @@ class RecorderNode(Shell):
         now = self._journal.now
         if now % self._acknowledge == 0:
             step = Step(now, 0, (interface.RECORDER,))
-            lost = self._journal.lost
-            health = (ERROR, f'recording; {lost} messages lost') if lost and self.lockstep else (OK, 'recording')
+            lost = self._journal.lost if self.lockstep else 0
+            values = (('messages lost', str(lost)),) if lost else ()
+            state = health([(ERROR, 'messages were lost')] if lost else [], 'recording', values)
             self.say('recorder/step', step)
-            self.publish(self._reporter.report(now, *health))
+            self.publish(self._reporter.report(now, state))
 
     def poll(self) -> None:
         """Flush what came, and finish when the scenario is over."""

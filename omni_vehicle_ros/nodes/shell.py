@@ -10,10 +10,12 @@ from rclpy.node import Node
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Component, Output
 from omni_vehicle_ros.components.gate import Gate
+from omni_vehicle_ros.control.health import OK, WARN
 from omni_vehicle_ros.errors import MessageError, OmniVehicleError
-from omni_vehicle_ros.messages import Step, Text, Value, decode, encode
+from omni_vehicle_ros.messages import Diagnostics, Status, Step, Text, Value, decode, encode
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.handshake import Handshake
+from omni_vehicle_ros.nodes.owners import Owners
 from omni_vehicle_ros.nodes.ports import publish_on, subscribe_to
 from omni_vehicle_ros.parameters import PacingParameters
 
@@ -89,6 +91,8 @@ class Shell(Node):
         self._handshake = Handshake(
             self, self.role, self.vehicle_namespace, self.topics(), self.pacing.participants, publishers
         )
+        mine = [row for row in self.topics() if self.subscribes(row.name)]
+        self._owners = Owners(self, self.vehicle_namespace, mine)
 
     def topics(self) -> list[interface.Topic]:
         """Return the rows of the wiring table that this vehicle uses: /clock only if it owns it."""
@@ -161,14 +165,21 @@ class Shell(Node):
         publisher.publish(encode(type_name, value))
 
     def poll(self) -> None:
-        """Do what no message calls for: the handshake, and the end of a wait that takes too long."""
+        """Do what no message calls for: handshake, a look round, and the end of a wait that takes too long."""
         if not self._handshake.done and self._handshake.complete():
             self.say('ready', Text(self.role))
+        if self._owners.look():
+            self._say_strangers(self._owners.strangers)
         if self.lockstep and self.gate.waiting and time.monotonic() - self._opened > self.pacing.wait_limit:
             limit = self.pacing.wait_limit
             self.warn(f'no answer from {self.gate.absent()} for {limit:g} s; going on without')
             self.gate.give_up()
             self.act()
+
+    def _say_strangers(self, strangers: str) -> None:
+        """Name who publishes what belongs to another node, or say that nobody does any more."""
+        level, text = (WARN, strangers) if strangers else (OK, 'every topic is published by its owner alone')
+        self.say('/diagnostics', Diagnostics(self.now, (Status(level, f'{self.full_name}: inputs', text),)))
 
     def wait(self) -> float:
         """Return for how long there is nothing to do but to take messages [s]."""

@@ -7,13 +7,23 @@ from rclpy.context import Context
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.side_slip_controller import SideSlipController
+from omni_vehicle_ros.control.loop_check import check_gains
+from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.nodes.declare import declare, on_change
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
-from omni_vehicle_ros.parameters import SideSlipParameters, VehicleParameters
+from omni_vehicle_ros.parameters import (
+    PlantParameters,
+    SideSlipParameters,
+    VehicleParameters,
+    WheelModuleParameters,
+)
 
 FIXED = ('controller', 'allocation_traction')
 """Parameters that select the law; its gains and limits may change while it runs."""
+
+ACTUATORS = ('ideal_actuators', 'steer_delay', 'steer_time_constant', 'drive_time_constant')
+"""Of the wheel modules: what the gains are checked against."""
 
 
 class SideSlipControllerNode(Shell):
@@ -26,8 +36,22 @@ class SideSlipControllerNode(Shell):
         names = tuple(name for name in parameters.as_dict() if name not in FIXED)
         live = declare(self, SideSlipParameters, only=names, changeable=True)
         parameters = replace(live, **{name: getattr(parameters, name) for name in FIXED})
+        module = declare(self, WheelModuleParameters, only=ACTUATORS)
+        period = declare(self, PlantParameters, only=('control_period',)).control_period
+        check_gains(parameters, vehicle, module, period)
         component = SideSlipController(parameters, vehicle, name=self.full_name)
-        on_change(self, parameters, component.configure)
+        bound = parameters.trim_limit
+
+        def configure(changed: SideSlipParameters) -> None:
+            if changed.trim_limit > bound:
+                raise ParameterError(
+                    f'trim_limit: {changed.trim_limit:g} is above {bound:g} rad, to which the wheel modules hold every '
+                    'trim since their start; start the vehicle with more'
+                )
+            check_gains(changed, vehicle, module, period)
+            component.configure(changed)
+
+        on_change(self, parameters, configure)
         self.attach(component)
 
 

@@ -11,7 +11,7 @@ from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
-from omni_vehicle_ros.parameters import PlantParameters, WheelModuleParameters
+from omni_vehicle_ros.parameters import PlantParameters, SideSlipParameters, WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
 
@@ -24,8 +24,9 @@ class WheelModuleNode(Shell):
         self.role = f'{wheel}/wheel_module'
         parameters = declare(self, WheelModuleParameters)
         period = declare(self, PlantParameters, only=('control_period',)).control_period
+        trim_limit = declare(self, SideSlipParameters, only=('trim_limit',)).trim_limit
         trimmed = interface.SIDE_SLIP_CONTROLLER in self.pacing.participants
-        self.attach(WheelModule(wheel, parameters, period, trimmed=trimmed, name=self.full_name))
+        self.attach(WheelModule(wheel, parameters, period, trim_limit, trimmed=trimmed, name=self.full_name))
 
 
 def wheel_of(node: Node) -> str:

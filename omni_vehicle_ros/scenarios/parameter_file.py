@@ -20,7 +20,9 @@ from omni_vehicle_ros.parameters import (
 )
 
 _WIDTH = 110
-_SHARED = ('control_period',)
+_SHARED = (
+    'control_period', 'ideal_actuators', 'steer_delay', 'steer_time_constant', 'drive_time_constant', 'trim_limit',
+)
 
 
 def parameter_file(
@@ -40,12 +42,18 @@ def parameter_file(
     sections: tuple[tuple[str, str, Iterator[str]], ...] = (
         (
             '/**', 'All nodes: the vehicle, and how the nodes keep step.',
-            chain(_entries(vehicle), _entries(pacing), _entries(plant, only=_SHARED)),
+            chain(
+                _entries(vehicle), _entries(pacing), _entries(plant, only=_SHARED),
+                _entries(wheel_module, only=_SHARED), _entries(side_slip, only=_SHARED),
+            ),
         ),
         ('/**/plant', 'The simulated vehicle on its road.', _entries(plant, without=_SHARED)),
         ('/**/icr_steering', 'What a driver may ask for, and how it becomes set-points.', _entries(steering)),
-        ('/**/wheel_module', 'Each of the four wheel modules.', _entries(wheel_module)),
-        ('/**/side_slip_controller', 'Gains: front left, front right, rear left, rear right.', _entries(side_slip)),
+        ('/**/wheel_module', 'Each of the four wheel modules.', _entries(wheel_module, without=_SHARED)),
+        (
+            '/**/side_slip_controller', 'Gains: front left, front right, rear left, rear right.',
+            _entries(side_slip, without=_SHARED),
+        ),
     )
     blocks = ([f'# {text}', f'{node}:', '  ros__parameters:', *entries, ''] for node, text, entries in sections)
     return '\n'.join(chain.from_iterable(blocks))

@@ -90,7 +90,7 @@ def test_a_derivative_gain_counts_over_its_time_constant():
     settings = (*CONTROLLED, 'side_slip.derivative_gains=[0, 0.03, 0, 0]')
     check_loop(load_scenario('simple_turning', (*settings, 'side_slip.proportional_gains=[0, 0.3, 0, 0]')))
     more = load_scenario('simple_turning', (*settings, 'side_slip.proportional_gains=[0, 0.5, 0, 0]'))
-    with pytest.raises(RunError, match=r'1.1, is not below 1'):
+    with pytest.raises(RunError, match=r'proportional_gains, derivative_gains: 0.5, 0.03 is not'):
         check_loop(more)
 
 
@@ -101,10 +101,30 @@ def test_the_sampled_loop_with_ideal_actuators_is_refused_from_its_limit_on(gain
     if gain < 1.0:
         check_loop(scenario)
         return
-    with pytest.raises(RunError, match=rf'{gain:g}, is not below 1, .*--mode offline'):
+    with pytest.raises(RunError, match=rf'{gain:g} is not below 1, .*--mode offline'):
         check_loop(scenario)
     check_loop(load_scenario('simple_turning', (*CONTROLLED, 'wheel_module.ideal_actuators=false')))
     check_loop(load_scenario('simple_turning', (*CONTROLLED, 'side_slip.controller=rear_steering')))
+
+
+@pytest.mark.parametrize('mode', ['processes', 'offline'])
+def test_gains_beyond_the_limit_of_real_actuators_are_refused(mode):
+    real = ('wheel_module.ideal_actuators=false', 'side_slip_control=true')
+    check_loop(load_scenario('simple_turning', (*real, 'side_slip.proportional_gains=[20, 0, 0, 0]')), mode)
+    beyond = load_scenario('simple_turning', (*real, 'side_slip.proportional_gains=[21, 0, 0, 0]'))
+    with pytest.raises(RunError, match=r'side_slip.proportional_gains: 21 is not below 20.5, .* front_left'):
+        check_loop(beyond, mode)
+
+
+def test_in_reverse_the_controlled_wheels_trail_and_the_circle_is_tighter():
+    # As the parameter's text has it: 3.8 m for 5 m at 3 m/s; forward the same gains make it wider.
+    real = ('wheel_module.ideal_actuators=false', 'side_slip_control=true', 'radius=5', 'duration=6')
+    radii = []
+    for speed in (-3, 3):
+        odom = record(load_scenario('simple_turning', (f'speed={speed}', *real)))['odom']
+        radii.append(abs(math.hypot(odom.vx[-1], odom.vy[-1]) / odom.yaw_rate[-1]))
+    assert radii[0] == pytest.approx(3.8, abs=0.1)
+    assert radii[1] > 5.5
 
 
 def test_a_spin_past_the_grip_stays_finite():

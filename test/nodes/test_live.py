@@ -10,6 +10,7 @@ import pytest
 
 from omni_vehicle_ros.bags import open_bag, read_messages
 from omni_vehicle_ros.messages import decode
+from omni_vehicle_ros.wheels import WHEELS
 
 from .conftest import Lab, finish, until
 
@@ -56,10 +57,14 @@ def test_a_vehicle_that_loses_a_node_says_which(lab: Lab) -> None:
     (controller,) = [pid for pid in lab.left() if b'side_slip_controller' in Path(f'/proc/{pid}/cmdline').read_bytes()]
     os.kill(controller, signal.SIGKILL)
     until(lambda: controller not in lab.left(), 'the end of the controller')
-    until(lambda: bool(diagnostics(lab.path / 'run' / 'bag')), 'someone who misses it')
+    until(lambda: len(diagnostics(lab.path / 'run' / 'bag')) >= 4, 'those who miss it')
     vehicle.send_signal(signal.SIGINT)
     _, errors = finish(vehicle, 2)
     assert 'side_slip_controller' in errors
+    text = 'no trim from side_slip_controller'
+    assert {name for _, name, said in diagnostics(lab.path / 'run' / 'bag') if text in said} == {
+        f'/{wheel}/wheel_module' for wheel in WHEELS
+    }
     assert (lab.path / 'run' / 'report.html').is_file()
 
 
@@ -87,8 +92,9 @@ cases = [
     ('cmd_vel', twist(-math.inf), 'finite'),
     ('environment/friction', joints(['front_left'], [math.nan]), 'nan'),
     ('environment/friction', joints(['fifth'], [0.5]), 'fifth'),
-    ('environment/bank', bank(9.0), '9'), ('front_left/trim', JointState(), 'front_left/trim'),
-    ('rear_left/command', joints(['a'], [1.0]), 'rear_left/command'),
+    ('environment/bank', bank(9.0), '9'), ('front_left/trim', JointState(), 'front_left/trim needs'),
+    ('front_left/trim', JointState(), 'publishers (/side_slip_controller, /vandal): end all but one of'),
+    ('rear_left/command', joints(['a'], [1.0]), 'rear_left/command needs'),
 ]
 publishers = {}
 for topic, message, word in cases:

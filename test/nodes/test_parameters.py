@@ -17,6 +17,7 @@ pytestmark = pytest.mark.graph
         ('plant', 'publish_clock:=7', 'publish_clock: 7 must be true or false'),
         ('icr_steering', 'steering_rule:=rail', "steering_rule: 'rail' is not one of road, omni"),
         ('side_slip_controller', 'proportional_gains:=[1.0, 2.0]', 'must be a list of 4 values'),
+        ('side_slip_controller', 'proportional_gains:=[0.0, 25.0, 0.0, 0.0]', '25 is not below 20.5, where'),
         ('side_slip_controller', 'controller:=best', "controller: 'best' is not one of wheel_slip, yaw_moment"),
         ('wheel_module', 'wheel:=fifth', "wheel: 'fifth' is not one of front_left"),
         ('driver', 'scenario:=nowhere', 'nowhere'),
@@ -74,6 +75,14 @@ else:
     bad = ask(client.set_parameters, [Parameter(name, value=[-5.0, 1.0, 0.0, 0.0])]).results[0]
     assert not bad.successful
     assert 'outside 0 .. 100' in bad.reason, bad
+    wild = ask(client.set_parameters, [Parameter(name, value=[5.0, 25.0, 0.0, 0.0])]).results[0]
+    assert not wild.successful
+    assert '25 is not below 20.5' in wild.reason and 'front_right' in wild.reason and 'lower it' in wild.reason, wild
+    assert list(ask(client.get_parameters, [name]).values[0].double_array_value) == [5.0, 1.0, 0.0, 0.0]
+    for limit, taken in ((0.3, True), (0.5, True), (0.6, False)):
+        answer = ask(client.set_parameters, [Parameter('trim_limit', value=limit)]).results[0]
+        assert answer.successful == taken, answer
+    assert '0.6 is above 0.5 rad' in answer.reason
     fixed = ask(client.set_parameters, [Parameter('controller', value='allocation')]).results[0]
     assert not fixed.successful
     assert ask(client.get_parameters, ['controller']).values[0].string_value == 'wheel_slip'
