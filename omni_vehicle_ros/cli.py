@@ -2,7 +2,6 @@
 
 import signal
 import sys
-import textwrap
 import time
 from pathlib import Path
 from types import FrameType
@@ -12,12 +11,12 @@ import typer
 
 from omni_vehicle_ros import __version__
 from omni_vehicle_ros.errors import OmniVehicleError, RunError
-from omni_vehicle_ros.executables import ENDING, release_signals
+from omni_vehicle_ros.executables import ENDING, EXIT_SIGNAL
 from omni_vehicle_ros.run import MODES, PACINGS, Interrupted, RunResult, new_directory, run_scenario, start_vehicle
-from omni_vehicle_ros.scenarios import load_scenario, scenario_names
+from omni_vehicle_ros.scenarios import load_scenario, scenario_directory, scenario_names
 
 EXIT_USAGE = 2
-LINE = 110
+GRACE = 10  # s, of an end by a signal
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -97,6 +96,9 @@ def start(
         flush=True,
     )
     dead = start_vehicle(loaded, directory, namespace=namespace, publish_clock=clock)
+    if dead is None:
+        print('stopped before the vehicle was up: there is nothing to analyse', file=sys.stderr)
+        return
     from omni_vehicle_ros.console import complaints
 
     for line in complaints(directory):
@@ -108,14 +110,15 @@ def start(
 
 @app.command()
 def scenarios() -> None:
-    """List the scenarios, folder by folder."""
+    """List the scenarios, folder by folder, a line each; their files say more."""
     before = ''
     for name in scenario_names():
         folder = name.rpartition('/')[0]
         if folder != before:
             print()
         before = folder
-        print(textwrap.fill(f'{name:24} {load_scenario(name).description}', LINE, subsequent_indent=' ' * 25))
+        print(f'{name:24} {load_scenario(name).summary}')
+    print(f'\nfiles: {scenario_directory()}')
 
 
 @app.command()
@@ -132,7 +135,7 @@ def thesis(
     from omni_vehicle_ros.thesis.reproduce import Reproduction
 
     reproduction = Reproduction(figure, chapter)
-    directory = new_directory(out or Path('runs') / f'thesis-{time.strftime("%Y%m%d-%H%M%S")}')
+    directory = out or Path('runs') / f'thesis-{time.strftime("%Y%m%d-%H%M%S")}'
     with ProgressBar('thesis', reproduction.jobs, 'jobs') as bar:
         reproduction.write(directory, bar.advance)
     print(f'page    {directory / "index.html"}')
@@ -153,14 +156,17 @@ def draw_map(
         list[str] | None,
         typer.Option('--set', metavar='NAME=VALUE', help='Override a vehicle parameter; may be given again.'),
     ] = None,
-    friction: Annotated[float, typer.Option('--friction', metavar='MU', help='Friction coefficient.')] = 0.9,
+    friction: Annotated[
+        float | None,
+        typer.Option('--friction', metavar='MU', help='Friction coefficient. Default: as FILE says, 0.9 without.'),
+    ] = None,
     radius: Annotated[str, typer.Option('--radius', metavar='LOW:HIGH', help='Radii of the command [m].')] = '2:20',
     speed: Annotated[str, typer.Option('--speed', metavar='LOW:HIGH', help='Forward speeds [m/s].')] = '0.5:15',
     out: Annotated[
         Path | None, typer.Option('--out', metavar='DIR', help='Directory for the results. Default: runs/map-<date>.')
     ] = None,
 ) -> None:
-    """Draw where over radius and speed there is a stable steady turn, and its margin; leave map and tables in DIR."""
+    """Draw where over radius and speed slow driving leads to a stable steady turn; leave map and tables in DIR."""
     from omni_vehicle_ros.analysis.map_request import read_request
 
     request = read_request(vehicle, settings or [], friction, radius, speed)
@@ -168,11 +174,12 @@ def draw_map(
     from omni_vehicle_ros.analysis.turn_map import turn_map, write_tables
     from omni_vehicle_ros.console import ProgressBar, limit_table
 
-    directory = new_directory(out or Path('runs') / f'map-{time.strftime("%Y%m%d-%H%M%S")}')
-    with ProgressBar('map', len(request.radii), 'radii') as bar:
-        found = turn_map(request, bar.advance)
-    write_tables(found, directory)
-    write_picture(found, directory / 'map.png')
+    directory = out or Path('runs') / f'map-{time.strftime("%Y%m%d-%H%M%S")}'
+    with new_directory(directory):
+        with ProgressBar('map', len(request.radii), 'radii') as bar:
+            found = turn_map(request, bar.advance)
+        write_tables(found, directory)
+        write_picture(found, directory / 'map.png')
     limit_table(found)
     print(f'map     {directory / "map.png"}\ntables  {directory / "map.csv"}, {directory / "limit.csv"}')
 
@@ -185,18 +192,29 @@ def choose(option: str, value: str, allowed: tuple[str, ...]) -> None:
 
 def interrupt(number: int, frame: FrameType | None) -> None:
     """Turn a signal into an end without a trace; a run has its own handlers while nodes are up."""
-    raise Interrupted('interrupted')
+    ignore_signals()
+    signal.alarm(GRACE)  # kills this process, should a destructor or a callback have swallowed the exception
+    raise Interrupted('interrupted', number)
+
+
+def ignore_signals() -> None:
+    """Let nothing disturb the end, that of the interpreter included."""
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def main() -> None:
-    """Run the command line; what the user got wrong is one line and exit code 2."""
+    """Run the command line; what the user got wrong is one line and exit code 2, a signal 128 plus its number."""
     for number in ENDING:
         signal.signal(number, interrupt)
     try:
-        release_signals()
-        app()
+        try:
+            app()
+        finally:
+            ignore_signals()
     except Interrupted as error:
         print(error, file=sys.stderr)
+        sys.exit(EXIT_SIGNAL + error.number)
     except OmniVehicleError as error:
         print(f'error: {error}', file=sys.stderr)
         sys.exit(EXIT_USAGE)

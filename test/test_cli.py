@@ -1,16 +1,42 @@
-"""The command line: what is wrong is one line and exit code 2, and nothing is written."""
+"""The command line: what is wrong is one line and exit code 2, and nothing is written; a signal is 128 + its number."""
 
 import json
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from omni_vehicle_ros.bags import read_messages
+from omni_vehicle_ros.errors import RunError
+from omni_vehicle_ros.run import new_directory
+from omni_vehicle_ros.scenarios import scenario_names
+
+COMMAND = (sys.executable, '-m', 'omni_vehicle_ros.executables', 'cli')
+
 
 def omni_vehicle(path: Path, *arguments: str) -> 'subprocess.CompletedProcess[str]':
-    command = [sys.executable, '-m', 'omni_vehicle_ros.executables', 'cli', *arguments]
-    return subprocess.run(command, cwd=path, capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run([*COMMAND, *arguments], cwd=path, capture_output=True, text=True, timeout=120, check=False)
+
+
+def interrupt(path: Path, number: signal.Signals, mark: str, size: int, *arguments: str) -> None:
+    """Send a signal, twice, to a command once it has made a directory or a file of a size, and check how it ends."""
+    command = subprocess.Popen(
+        [*COMMAND, *arguments], cwd=path, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True,
+    )
+    end = time.monotonic() + 60.0
+    while not (path / mark).exists() or (path / mark).stat().st_size < size:
+        assert command.poll() is None and time.monotonic() < end, f'no {mark}'
+        time.sleep(0.01)
+    command.send_signal(number)
+    command.send_signal(number)
+    _, errors = command.communicate(timeout=60.0)
+    assert command.returncode == 128 + number, errors
+    assert errors.splitlines()[-1] == 'interrupted'
+    assert 'Traceback' not in errors
 
 
 @pytest.mark.parametrize(
@@ -78,6 +104,42 @@ def test_offline_run_leaves_bag_metrics_and_report(tmp_path: Path) -> None:
 
 def test_help_and_scenarios(tmp_path: Path) -> None:
     listed = omni_vehicle(tmp_path, 'scenarios').stdout
-    assert {'simple_turning', 'thesis/bank'} <= {line.split(' ')[0] for line in listed.splitlines()}
+    lines = [line for line in listed.splitlines() if line and not line.startswith('files: ')]
+    assert [line.split()[0] for line in lines] == list(scenario_names())
+    assert all(30 < len(line) <= 100 for line in lines)
     assert '--set' in omni_vehicle(tmp_path, 'run', '--help').stdout
     assert omni_vehicle(tmp_path, '--version').stdout.strip() == '0.1.0'
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_map_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
+    """Its directory and the one above were made by it, and hold nothing yet."""
+    interrupt(tmp_path, number, 'new/map', 0, 'map', '--out', 'new/map')
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_offline_run_leaves_its_bag(tmp_path: Path, number: signal.Signals) -> None:
+    """The bag is closed: what was recorded before can be read."""
+    settings = ('--set', 'duration=600', '--mode', 'offline', '--out', 'run')
+    interrupt(tmp_path, number, 'run/bag/bag_0.mcap', 100_000, 'run', 'simple_turning', *settings)
+    assert not (tmp_path / 'run' / 'report.html').exists()
+    stream = read_messages(tmp_path / 'run' / 'bag')
+    assert all(message.log_time < 600_000_000_000 for message in stream)
+    assert stream.complete
+
+
+def test_a_new_directory_is_taken_away_again_if_it_stays_empty(tmp_path: Path) -> None:
+    """So are those above it that were made for it, up to the first that holds something; others never are."""
+    (tmp_path / 'old').mkdir()
+    with pytest.raises(ZeroDivisionError), new_directory(tmp_path / 'old' / 'a' / 'b'):
+        _ = 1 / 0
+    assert list(tmp_path.rglob('*')) == [tmp_path / 'old']
+    with new_directory(tmp_path / 'c' / 'd' / 'e'):
+        (tmp_path / 'c' / 'kept').touch()
+    assert sorted(tmp_path.rglob('*')) == [tmp_path / name for name in ('c', 'c/kept', 'old')]
+    with pytest.raises(RunError, match='exists already'), new_directory(tmp_path / 'old'):
+        pass
+    with pytest.raises(RunError, match='Not a directory'), new_directory(tmp_path / 'c' / 'kept' / 'f'):
+        pass
+    assert sorted(tmp_path.rglob('*')) == [tmp_path / name for name in ('c', 'c/kept', 'old')]

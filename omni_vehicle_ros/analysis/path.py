@@ -20,6 +20,7 @@ _BODY = '#eef2f6'
 _GAP = 1.25
 _MOST = 18
 _FARTHEST_ICR = 20.0
+_TIME_ROOM = 22.0  # pt, what a time takes beside the path
 
 
 class _Sight(NamedTuple):
@@ -60,9 +61,18 @@ def plot_path(bag: Bag, axes: 'Axes', vehicle: VehicleParameters | None = None) 
         _draw_vehicle(axes, sight, vehicle)
         _write_time(axes, sight, vehicle)
     axes.set_aspect('equal', adjustable='datalim')
-    axes.margins(0.06)
+    _fit(axes)
     axes.set_xlabel('x [m]')
     axes.set_ylabel('y [m]')
+
+
+def _fit(axes: 'Axes') -> None:
+    """Set the limits so that x and y have one scale, and all that is drawn lies within them, the times included."""
+    shown, size = axes.dataLim, np.array(axes.get_window_extent().size) * 72.0 / axes.figure.dpi
+    scale = np.max(shown.size / (size - 2.0 * _TIME_ROOM))  # m/pt
+    middle = 0.5 * np.add(shown.min, shown.max)
+    low, high = middle - 0.5 * scale * size, middle + 0.5 * scale * size
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
 
 def snapshots(x: Array, y: Array, vehicle: VehicleParameters) -> list[int]:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _WIDTH = 5.6
 _HEIGHT = 3.7
+_LABELS = 1.2  # in, beside a path
 _SMALLEST_RANGE = 0.4
 _COMMAND = (0, (4, 2))
 _AFTER_SLIP = 3
@@ -57,7 +58,7 @@ def draw_plots(bag: Bag, scenario: Scenario) -> list[Plot]:
 def _path(bag: Bag, scenario: Scenario) -> Plot:
     x, y = bag['odom'].x, bag['odom'].y
     margin = 2 * scenario.vehicle.wheelbase
-    height = 7.6 * (np.ptp(y) + margin) / (np.ptp(x) + margin)
+    height = 7.6 * (np.ptp(y) + margin) / (np.ptp(x) + margin) + _LABELS
     figure = Figure(figsize=(7.6, float(np.clip(height, 2.4, 8.0))))
     axes = figure.add_subplot()
     plot_path(bag, axes, scenario.vehicle)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from omni_vehicle_ros.errors import ParameterError, ScenarioError
-from omni_vehicle_ros.model.disturbances import beaufort
+from omni_vehicle_ros.model.disturbances import BEAUFORT_NUMBERS, beaufort
 from omni_vehicle_ros.parameters import PlantParameters, check_value, did_you_mean
 from omni_vehicle_ros.scenarios.reading import read_mapping, read_number
 from omni_vehicle_ros.wheels import PerWheel, per_wheel
@@ -16,6 +16,8 @@ QUANTITIES = ('bank', 'wind', 'friction')
 _STEP = ('at', 'bank', 'wind', 'beaufort', 'friction')
 _PROFILE = ('profile', 'points')
 _PLANT = {entry.name: entry for entry in fields(PlantParameters)}
+_HIGHEST_WIND: float = _PLANT['wind'].metadata['high']
+_STRONGEST = max(number for number in BEAUFORT_NUMBERS if beaufort(number).mean <= _HIGHEST_WIND)
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,8 @@ class EnvironmentChange:
 @dataclass(frozen=True)
 class EnvironmentProfile:
     """How one quantity changes over time, in straight lines from point to point; it keeps its last value.
+
+    What of it lies after the end of the scenario never happens.
 
     Attributes
     ----------
@@ -116,8 +120,8 @@ def read_environment(tree: Any) -> EnvironmentChange | EnvironmentProfile:
     """Make an entry of the environment from its mapping in a scenario file, or raise ScenarioError.
 
     A step has ``at`` and what changes then: bank, wind (or its Beaufort number, negative if it blows to the right:
-    the middle of its range in Table 4.1 of the thesis) and friction, of all wheels or of each. A profile has
-    ``profile``, the quantity, and ``points``, a list of [time, value].
+    the middle of its range in Table 4.1 of the thesis, where 0 and 1 are one range) and friction, of all wheels or
+    of each. A profile has ``profile``, the quantity, and ``points``, a list of [time, value].
     """
     entries = read_mapping(tree)
     return _read_profile(entries) if 'profile' in entries else _read_change(entries)
@@ -150,10 +154,11 @@ def _read_change(entries: dict[str, Any]) -> EnvironmentChange:
 def _wind(number: Any) -> float:
     if isinstance(number, bool) or not isinstance(number, int):
         raise ScenarioError(f'beaufort: {number!r} must be a whole number; negative: the wind blows to the right')
-    try:
-        return math.copysign(beaufort(abs(number)).mean, number)
-    except ParameterError as error:
-        raise ScenarioError(str(error)) from None
+    if abs(number) > _STRONGEST:
+        raise ScenarioError(
+            f'beaufort: {number} is outside {-_STRONGEST} .. {_STRONGEST}, as wind is held to {_HIGHEST_WIND:g} m/s'
+        )
+    return math.copysign(beaufort(abs(number)).mean, number)
 
 
 def _read_profile(entries: dict[str, Any]) -> EnvironmentProfile:

@@ -14,7 +14,8 @@ def read_timeline(
 ) -> tuple[T, ...]:
     """Make the entries of ``commands`` or ``environment``.
 
-    What begins after the end of the scenario is kept and never happens: a run may be cut short.
+    What lies after the end of the scenario, be it a whole entry or the rest of one, is kept and never happens:
+    a run may be cut short.
 
     Parameters
     ----------

@@ -35,7 +35,6 @@ from omni_vehicle_ros.scenarios.settings import PLAIN, SECTIONS, Setting, apply_
 
 _KEYS = ('name', 'description', 'values', 'vary', *PLAIN, *SECTIONS, 'commands', 'environment')
 _LONGEST = 1e5
-_TOLERANCE = 1e-9  # of a time [s]
 
 P = TypeVar('P', bound=Parameters)
 
@@ -49,7 +48,7 @@ class Scenario:
     name
         Its name: that of its file, with the folder below ``config/scenarios``, such as ``thesis/bank``.
     description
-        What it shows.
+        What it shows: its first line says it in short.
     duration
         Length [s], a whole number of control cycles.
     side_slip_control
@@ -80,6 +79,11 @@ class Scenario:
     environment: tuple[EnvironmentChange | EnvironmentProfile, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
     vary: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+
+    @property
+    def summary(self) -> str:
+        """First line of the description."""
+        return self.description.partition('\n')[0]
 
     @property
     def cycles(self) -> int:
@@ -146,7 +150,7 @@ def make_scenario(name: str, tree: Any, settings: Sequence[Setting] = ()) -> Sce
         side_slip=_make(SideSlipParameters, 'side_slip', entries),
         plant=plant,
         commands=read_timeline('commands', entries.get('commands', []), command, follow_command),
-        environment=_read_environment(entries.get('environment', []), duration),
+        environment=read_timeline('environment', entries.get('environment', []), read_environment, follow_environment),
         values=values,
     )
 
@@ -174,17 +178,6 @@ def _make(kind: type[P], section: str, entries: Mapping[str, Any]) -> P:
         return kind.from_mapping(entries[section])
     except ParameterError as error:
         raise ScenarioError(f'{section}: {error}') from None
-
-
-def _read_environment(tree: Any, duration: float) -> tuple[EnvironmentChange | EnvironmentProfile, ...]:
-    environment = read_timeline('environment', tree, read_environment, follow_environment)
-    for number, entry in enumerate(environment):
-        if entry.at < duration < entry.end - _TOLERANCE:
-            raise ScenarioError(
-                f'environment[{number}]: profile to {entry.end:g} s goes past the end of the run, {duration:g} s; '
-                'shorten it, or lengthen duration'
-            )
-    return environment
 
 
 def _read_text(key: str, value: Any) -> str:

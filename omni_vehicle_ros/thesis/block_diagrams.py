@@ -8,7 +8,7 @@ from matplotlib.patches import Circle, FancyArrowPatch, FancyBboxPatch
 from omni_vehicle_ros.analysis.style import ACCENT, INK, PAPER
 from omni_vehicle_ros.control.side_slip import exact_side_slip
 from omni_vehicle_ros.thesis.figure import Picture, ThesisFigure
-from omni_vehicle_ros.thesis.side_slip_control import FIRST_GAINS, sampled
+from omni_vehicle_ros.thesis.side_slip_control import FIRST_GAINS, real_actuators
 from omni_vehicle_ros.thesis.tasks import Results
 from omni_vehicle_ros.thesis.words import number, percent
 
@@ -81,7 +81,7 @@ def _overview(results: Results) -> Picture:
     _words(axes, (9.7, 3.1), 'side slips')
     _words(axes, (8.0, 0.9), 'side slips', ACCENT)
     _words(axes, (3.6, 1.7), 'trims', ACCENT, 'right')
-    scenario = sampled(FIRST_GAINS).load()
+    scenario = real_actuators(FIRST_GAINS).load()
     return Picture(
         figure,
         f'Every {number(1e3 * scenario.plant.control_period)} ms the side slips of the four tyres become trims, '
@@ -119,7 +119,7 @@ def _loop(results: Results) -> Picture:
 
 
 def _loop_sentence() -> str:
-    gains = sampled(FIRST_GAINS).load().side_slip
+    gains = real_actuators(FIRST_GAINS).load().side_slip
     each = {'P': gains.proportional_gains, 'I': gains.integral_gains, 'D': gains.derivative_gains}
     parts = [name for name, values in each.items() if any(values)]
     return (

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 SIZE = (5.6, 3.7)
 TIME, RADIUS = 'time [s]', 'radius [m]'
 SIDE_SLIP, STEER_ANGLE, SPEED = 'side slip [deg]', 'steer angle [deg]', 'speed [m/s]'
-NO_TURN = 'no steady turn'
+NO_TURN = 'past the limit'
 COLOURS = (INK, SECOND, ACCENT)
 """Of runs that are held against each other."""
 
 DASHED: dict[str, Any] = {'linestyle': (0, (4, 3)), 'linewidth': 1.1}
-_HIGHEST_LEGEND = 4
+_LONGEST_LEGEND, _HANDLE = 72, 6  # characters: of a row, and in the place of a handle
 _COVERED = 0.01  # of the range of all lines
 _ROOM = 0.12  # of the ordinate, above and below the lines
 
@@ -123,9 +123,10 @@ def _shown(name: str) -> str:
 
 def legend(axes: 'Axes') -> None:
     """Name the lines above the axes."""
-    count = len(axes.get_legend_handles_labels()[0])
-    if count > 1:
-        columns = count if count <= _HIGHEST_LEGEND else (count + 1) // 2
+    names = axes.get_legend_handles_labels()[1]
+    if len(names) > 1:
+        length = sum(len(name) + _HANDLE for name in names)
+        columns = len(names) if length <= _LONGEST_LEGEND else (len(names) + 1) // 2
         axes.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncol=columns, columnspacing=1.4, borderpad=0.1)
 
 

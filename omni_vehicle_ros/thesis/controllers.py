@@ -1,6 +1,7 @@
 """Beyond chapter 5: the controllers on the same manoeuvres, and side slip against path."""
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -11,7 +12,7 @@ from omni_vehicle_ros.thesis.bounds import TRACTION, SlipBound
 from omni_vehicle_ros.thesis.figure import Picture, Section, ThesisFigure
 from omni_vehicle_ros.thesis.manoeuvres import CONTROLLERS, MANOEUVRES, Judgement, Trial
 from omni_vehicle_ros.thesis.tasks import Results
-from omni_vehicle_ros.thesis.trade_off import GAINS, RADIUS, SPEED, GainCurve
+from omni_vehicle_ros.thesis.trade_off import RADIUS, SPEED, GainCurve
 from omni_vehicle_ros.thesis.words import degrees, number, percent
 
 if TYPE_CHECKING:
@@ -20,10 +21,15 @@ if TYPE_CHECKING:
 COLOURS = (MUTED, *WHEEL_COLOURS, ACCENT, INK)
 _MARKERS = ('o', 's', 's', '^', 'v', 'D', 'D')
 _TURN = MANOEUVRES[0]
-_CURVES = ((GainCurve((1.0, 1.0, 0.0, 0.0)), '(K, K, 0, 0)'), (GainCurve((1.0, 0.2, 0.0, 0.0)), '(K, K/5, 0, 0)'))
+_CURVES = (
+    (GainCurve((1.0, 1.0, 0.0, 0.0)), 'exact, gains (K, K, 0, 0)'),
+    (GainCurve((1.0, 0.2, 0.0, 0.0)), 'exact, gains (K, K/5, 0, 0)'),
+)
 _STEERING, _ALL = (SlipBound(RADIUS, SPEED, traction) for traction in TRACTION[:2])
+_BOUNDS = (_STEERING, 'bound: steering alone'), (_ALL, 'bound: left/right traction')
 _TRIALS = tuple(Trial(manoeuvre, controller) for manoeuvre in MANOEUVRES for controller in CONTROLLERS)
 _THESIS_GAIN = 5.0
+_ERROR, _SLIP = 'path radius above the commanded one', 'worst side slip'
 
 # What a bar shows: its name with unit, and the factor from SI.
 _MEASURES = (
@@ -33,6 +39,15 @@ _MEASURES = (
     ('friction use [1]', 'friction_use', 1.0),
 )
 _MORE = (('mean slip [deg]', 'mean_slip', 180.0 / np.pi), ('radius [m]', 'radius', 1.0))
+
+
+class _Point(NamedTuple):
+    """A point of the trade-off: whose, the largest gain if it has any, radius above the commanded [%], slip [deg]."""
+
+    name: str
+    gain: float
+    error: float
+    slip: float
 
 
 def draw_controllers(results: Results) -> Picture:
@@ -82,34 +97,66 @@ def _controllers_sentence(results: Results) -> str:
 
 def draw_trade_off(results: Results) -> Picture:
     """Draw the worst slip over the error of the path radius, of gains and of controllers, with the bounds."""
+    rows = _trade_off_rows(results)
     figure = Figure(figsize=(7.0, 4.6), layout='constrained')
     axes = figure.add_subplot()
-    table: dict[str, Array] = {'largest gain K': np.array(GAINS)}
-    for (curve, name), colour in zip(_CURVES, (WHEEL_COLOURS[0], WHEEL_COLOURS[1]), strict=True):
-        gain, error, slip = results[curve].T
-        axes.plot(100.0 * error, np.degrees(slip), color=colour, label=f'exact, gains {name}')
-        five = int(np.flatnonzero(gain == _THESIS_GAIN)[0])
-        axes.plot(100.0 * error[five], np.degrees(slip[five]), 'o', color=colour, markersize=7.0)
-        axes.annotate(f'thesis, K = {number(_THESIS_GAIN)}', (100.0 * error[five], np.degrees(slip[five])), (6.0, 5.0),
-                      textcoords='offset points', fontsize=8.0, color=colour)
-        table[f'radius error, {name} [%]'] = 100.0 * error
-        table[f'worst slip, {name} [deg]'] = np.degrees(slip)
-    bounds = (_STEERING, 'least worst slip on the path, steering alone'), (_ALL, 'with left/right traction')
-    for task, words in bounds:
-        height = np.degrees(results[task].worst)
-        axes.axhline(height, color=SECOND, linewidth=0.9, linestyle=(0, (4, 2)))
-        axes.annotate(words, (1.0, height), (-3.0, 3.0), xycoords=axes.get_yaxis_transform(),
-                      textcoords='offset points', ha='right', fontsize=8.0, color=SECOND)
+    for (_, name), colour in zip(_CURVES, WHEEL_COLOURS, strict=False):
+        _draw_curve(axes, [row for row in rows if row.name == name], colour)
+    for _, name in _BOUNDS:
+        _draw_bound(axes, next(row for row in rows if row.name == name))
     for controller, colour, marker in zip(CONTROLLERS, COLOURS, _MARKERS, strict=True):
-        found: Judgement = results[Trial(_TURN, controller)]
-        axes.plot(100.0 * (found.radius / RADIUS - 1.0), np.degrees(found.worst_slip), marker, color=colour,
-                  label=controller.name, linestyle='none', markeredgecolor=INK, markeredgewidth=0.5)
+        row = next(row for row in rows if row.name == controller.name)
+        axes.plot(row.error, row.slip, marker, color=colour, label=row.name, markeredgecolor=INK, markeredgewidth=0.5)
     axes.axvline(0.0, color=MUTED, linewidth=0.7)
-    axes.set_xlabel('path radius above the commanded one [%]')
-    axes.set_ylabel('worst side slip [°]')
+    axes.set(xlabel=f'{_ERROR} [%]', ylabel=f'{_SLIP} [°]')
     axes.set_ylim(bottom=0.0)
     axes.legend(loc='center left', bbox_to_anchor=(1.0, 0.5))
-    return Picture(figure, _trade_off_sentence(results), table)
+    return Picture(figure, _trade_off_sentence(results), _trade_off_table(rows))
+
+
+def _draw_curve(axes: 'Axes', rows: list[_Point], colour: str) -> None:
+    axes.plot([row.error for row in rows], [row.slip for row in rows], color=colour, label=rows[0].name)
+    thesis = next(row for row in rows if row.gain == _THESIS_GAIN)
+    place = thesis.error, thesis.slip
+    axes.plot(*place, 'o', color=colour, markersize=7.0)
+    words = f'thesis, K = {number(_THESIS_GAIN)}'
+    axes.annotate(words, place, (6.0, 5.0), textcoords='offset points', fontsize=8.0, color=colour)
+
+
+def _draw_bound(axes: 'Axes', row: _Point) -> None:
+    axes.axhline(row.slip, color=SECOND, linewidth=0.9, linestyle=(0, (4, 2)))
+    axes.annotate(
+        row.name,
+        (1.0, row.slip),
+        (-3.0, 3.0),
+        xycoords=axes.get_yaxis_transform(),
+        textcoords='offset points',
+        ha='right',
+        fontsize=8.0,
+        color=SECOND,
+    )
+
+
+def _trade_off_rows(results: Results) -> list[_Point]:
+    """Return all points that are drawn: of the curves, of the bounds, which lie on the path, and of the controllers."""
+    curves = [
+        _Point(name, gain, 100.0 * error, math.degrees(slip))
+        for curve, name in _CURVES
+        for gain, error, slip in results[curve].tolist()
+    ]
+    bounds = [_Point(name, math.nan, 0.0, math.degrees(results[task].worst)) for task, name in _BOUNDS]
+    turns = [(controller.name, results[Trial(_TURN, controller)]) for controller in CONTROLLERS]
+    points = [
+        _Point(name, math.nan, 100.0 * (found.radius / RADIUS - 1.0), math.degrees(found.worst_slip))
+        for name, found in turns
+    ]
+    return [*curves, *bounds, *points]
+
+
+def _trade_off_table(rows: list[_Point]) -> dict[str, Array]:
+    names, *columns = map(np.array, zip(*rows, strict=True))
+    heads = ('largest gain K [1]', f'{_ERROR} [%]', f'{_SLIP} [deg]')
+    return {'what': names, **dict(zip(heads, columns, strict=True))}
 
 
 def _trade_off_sentence(results: Results) -> str:
@@ -119,7 +166,8 @@ def _trade_off_sentence(results: Results) -> str:
         gain, error, slip = results[curve].T
         five = int(np.flatnonzero(gain == _THESIS_GAIN)[0])
         off = percent(error[five])
-        parts.append(f'{name} with K = {number(_THESIS_GAIN)}: {degrees(slip[five])}, {off} off the radius')
+        gains = f'{name.removeprefix("exact, ")} with K = {number(_THESIS_GAIN)}'
+        parts.append(f'{gains}: {degrees(slip[five])}, {off} off the radius')
     return (
         f'The gains of the thesis trade path for slip: {"; ".join(parts)}. The least worst slip on the path is '
         f'{degrees(results[_STEERING].worst)} by steering alone and {degrees(results[_ALL].worst)} with left/right '

@@ -28,7 +28,7 @@ def write_controllers_page(results: Results, directory: Path) -> None:
     directory
         Where to; the data of a picture lie beside it as CSV.
     """
-    shown = [(figure.number, draw(figure, results, directory).sentence) for figure in controllers.SECTION.figures]
+    shown = [(figure, draw(figure, results, directory).sentence) for figure in controllers.SECTION.figures]
     table = controllers.controller_table(results)
     names = list(table)
     texts = [list(map(_cell, column.tolist())) for column in table.values()]

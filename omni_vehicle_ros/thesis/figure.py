@@ -50,6 +50,20 @@ class ThesisFigure:
     draw: Callable[[Results], Picture]
     needs: tuple[Task[Any], ...] = ()
 
+    @property
+    def label(self) -> str:
+        """What stands below the picture: ``Fig. 4.15``; the caption of one that is not in the thesis."""
+        return f'Fig. {self.number}' if self._numbered else self.caption
+
+    @property
+    def title(self) -> str:
+        """Number and caption."""
+        return f'{self.label} · {self.caption}' if self._numbered else self.caption
+
+    @property
+    def _numbered(self) -> bool:
+        return self.number[0].isdigit()
+
 
 @dataclass(frozen=True)
 class Section:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import matplotlib
 
-from omni_vehicle_ros.analysis.style import PAPER, house_style
+from omni_vehicle_ros.analysis.style import MUTED, PAPER, house_style
 from omni_vehicle_ros.thesis.figure import Picture, ThesisFigure
 from omni_vehicle_ros.thesis.tasks import Results
 
@@ -22,6 +22,9 @@ class Shown(NamedTuple):
 def draw(figure: ThesisFigure, results: Results, directory: Path) -> Shown:
     """Draw a figure into a directory: a picture ``<number>.svg``, and its data as ``<number>.csv``, if it has any.
 
+    The picture says its number in small type, and number and caption as its title. The first line of the data
+    names the columns, as readers of CSV want it; which figure they belong to is the name of the file.
+
     Parameters
     ----------
     figure
@@ -33,10 +36,11 @@ def draw(figure: ThesisFigure, results: Results, directory: Path) -> Shown:
     """
     with house_style(), matplotlib.rc_context({'svg.hashsalt': figure.number}):
         picture = figure.draw(results)
+        picture.figure.text(0.0, 0.0, figure.label, ha='left', va='top', color=MUTED, fontsize=7.5)
         picture.figure.savefig(
             directory / f'{figure.number}.svg',
             facecolor=PAPER,
-            metadata={'Date': None},
+            metadata={'Date': None, 'Title': figure.title},
             bbox_inches='tight',
             pad_inches=0.08,
         )

@@ -1,4 +1,4 @@
-"""Up to which speed there is a steady turn: the limit of each radius, on a dry road and on snow."""
+"""Up to which speed slow driving leads to a steady turn: the limit of each radius, on a dry road and on snow."""
 
 from typing import NamedTuple
 

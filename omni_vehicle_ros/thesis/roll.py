@@ -60,7 +60,7 @@ def _sentence(effect: str, one: Array, other: Array) -> str:
         words.append(f'{degrees(change)} ({percent(change / float(other[row]))}) at {number(RADII[row])} m')
     gaps = [float(RADII[int(np.flatnonzero(np.isfinite(found))[0])]) for found in (one, other)]
     tight = (
-        f' The tightest steady turn is {number(gaps[0])} m with it and {number(gaps[1])} m without.'
+        f' The tightest steady turn of slow driving is {number(gaps[0])} m with it and {number(gaps[1])} m without.'
         if max(gaps) > RADII[0]
         else ''
     )

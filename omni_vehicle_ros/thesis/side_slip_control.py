@@ -22,8 +22,8 @@ _SHOWN, _STEERED = 3.0, 0.3  # s, what is drawn; when the steering step is over
 _LOOKS = (
     ('without control', INK, False),
     ('with control', ACCENT, False),
-    ('without, sampled', INK, True),
-    ('with, sampled', ACCENT, True),
+    ('without, real actuators', INK, True),
+    ('with, real actuators', ACCENT, True),
 )
 
 
@@ -32,14 +32,14 @@ def exact(gains: PerWheel) -> Run:
     return run('side_slip_control', gains=list(gains), **{'wheel_module.ideal_actuators': 'true'})
 
 
-def sampled(gains: PerWheel) -> Run:
+def real_actuators(gains: PerWheel) -> Run:
     """Return the run of the real loop: measured once a cycle, steered by actuators that take their time."""
     return run('side_slip_control', gains=list(gains))
 
 
 def runs(gains: PerWheel) -> tuple[Run, Run, Run, Run]:
-    """Return what a figure compares: exactly without control and with it, sampled without control and with it."""
-    return exact(NO_GAINS), exact(gains), sampled(NO_GAINS), sampled(gains)
+    """Return what a figure compares: without control and with it, solved exactly, then both with real actuators."""
+    return exact(NO_GAINS), exact(gains), real_actuators(NO_GAINS), real_actuators(gains)
 
 
 def path_distance(one: Recording, other: Recording) -> Array:

@@ -1,5 +1,7 @@
 """Maps of the steady side slip over turn radius and speed: Fig. 4.5-4.8 (thesis sec. 4.2)."""
 
+from typing import NamedTuple
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm
@@ -19,6 +21,12 @@ SPEEDS = tuple(range(2, 21, 2))
 MAP = SlipMapTask(run('turning_map'), RADII, tuple(map(km_per_h, SPEEDS)), mesh=20)
 """Radii [m] and speeds [km/h] of the maps."""
 
+FAST_SPEEDS = tuple(range(1, 61))
+FAST = SlipMapTask(
+    run('turning_map'), tuple((np.arange(8, 41) / 4.0).tolist()), tuple(map(km_per_h, FAST_SPEEDS)), mesh=1
+)
+"""The same turns at speeds beyond those of the thesis [km/h]; the mesh is the end of each."""
+
 _LABELLED = 5  # levels
 _LEVELS = (0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0)  # deg
 
@@ -27,6 +35,23 @@ def rises_with_speed(slips: Array) -> bool:
     """Tell whether slips, shape (radii, speeds), grow with the speed at every radius for as long as there are any."""
     steps = np.diff(slips, axis=1)
     return bool(np.all(steps[np.isfinite(steps)] > 0.0))
+
+
+class Turnover(NamedTuple):
+    """Where slips begin to fall with the speed: the smallest radius [m], the lowest speed [m/s], and whose it is."""
+
+    radius: float
+    speed: float
+    wheel: int
+
+
+def turnover(found: SlipMap) -> Turnover | None:
+    """Return where the slips of a map begin to fall with the speed, None if they nowhere do."""
+    falls = np.diff(found.side_slip, axis=1) <= 0.0
+    if not np.any(falls):
+        return None
+    step, wheel, _ = np.argwhere(falls.transpose(1, 2, 0))[0].tolist()
+    return Turnover(float(found.radius[np.any(falls, axis=(1, 2))].min()), float(found.speed[step]), wheel)
 
 
 def falls_with_radius(slips: Array) -> bool:
@@ -56,9 +81,11 @@ def _draw(found: SlipMap, slips: Array) -> Figure:
     return figure
 
 
-def _table(slips: Array) -> dict[str, Array]:
+def _table(found: SlipMap, slips: Array) -> dict[str, Array]:
     columns = {f'{speed} km/h: {SIDE_SLIP}': slips[:, i] for i, speed in enumerate(SPEEDS)}
-    return {RADIUS: np.array(RADII), **columns}
+    lost = found.top_speed < found.speed[-1]
+    limit = np.where(lost, 3.6 * found.top_speed, np.nan)
+    return {RADIUS: np.array(RADII), 'limit speed [km/h]': limit, **columns}
 
 
 def _sentence(found: SlipMap, slips: Array) -> str:
@@ -72,13 +99,13 @@ def _sentence(found: SlipMap, slips: Array) -> str:
 
 
 def gap(found: SlipMap) -> str:
-    """Return where a map has no steady turn, in words."""
+    """Return where slow driving leads to no stable steady turn, in words."""
     lost = found.radius[np.isnan(found.side_slip[:, -1, 0])]
     if not len(lost):
         return ''
     return (
-        f'At {number(found.radius[0])} m there is no steady turn above {number(3.6 * found.top_speed[0])} km/h, at '
-        f'{SPEEDS[-1]} km/h none up to {number(lost[-1])} m.'
+        f'At {number(found.radius[0])} m the steady turn that slow driving leads to is lost at '
+        f'{number(3.6 * found.top_speed[0])} km/h; at {SPEEDS[-1]} km/h it is lost up to {number(lost[-1])} m.'
     )
 
 
@@ -87,7 +114,7 @@ def _map(name: str, wheel: int) -> ThesisFigure:
         found = results[MAP]
         slips = np.degrees(found.side_slip[:, :, wheel])
         figure = _draw(found, np.degrees(found.mesh_slip[:, :, wheel]))
-        return Picture(figure, _sentence(found, slips), _table(slips))
+        return Picture(figure, _sentence(found, slips), _table(found, slips))
 
     caption = f'Steady side slip of the {wheel_words(WHEELS[wheel])} tyre over turn radius and speed'
     return ThesisFigure(name, caption, draw, (MAP,))

@@ -30,7 +30,7 @@ def _road(scenario: Scenario) -> Environment:
 
 
 def slips(turns: Branch, speed: float) -> list[float]:
-    """Return the steady slips of the four wheels at a speed [rad], NaN where there is no stable steady turn."""
+    """Return the steady slips of the four wheels at a speed [rad], NaN past the limit of the turn."""
     lost = turns.limit.speed is not None and speed > turns.limit.speed
     turn = None if lost else turns.turn(speed)
     return [float('nan')] * 4 if turn is None else list(turn.side_slip)
@@ -44,10 +44,10 @@ class SlipMap(NamedTuple):
     radius
         Of the turns [m], shape (n,).
     speed, side_slip
-        The speeds that were asked for [m/s], shape (k,), and the slips there [rad], shape (n, k, 4); NaN where there is
-        no stable steady turn.
+        The speeds that were asked for [m/s], shape (k,), and the slips there [rad], shape (n, k, 4); NaN past the
+        limit, where slow driving leads to no stable steady turn.
     top_speed
-        Up to which speed there is one, at most the largest of the above [m/s], shape (n,).
+        Up to which speed it does, at most the largest of the above [m/s], shape (n,).
     mesh_speed, mesh_slip
         Speeds that end there [m/s], shape (n, m), and the slips [rad], shape (n, m, 4), without NaN; m may be 0.
     """
@@ -101,7 +101,7 @@ class SlipMapTask:
 
 @dataclass(frozen=True)
 class Limits:
-    """Up to which speed there is a steady turn, for each of some radii [m]."""
+    """Up to which speed slow driving leads to a stable steady turn, for each of some radii [m]."""
 
     study: Run
     radii: tuple[float, ...]

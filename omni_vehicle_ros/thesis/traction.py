@@ -1,5 +1,8 @@
 """Scenario 2, traction and brake in a turn: Fig. 4.12-4.18 (thesis sec. 4.3)."""
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 
 from omni_vehicle_ros.analysis.style import INK
@@ -47,6 +50,36 @@ def acting(scenario: str) -> Span:
 def at(recording: Recording, time: float) -> int:
     """Return the row of a time [s]."""
     return int(recording.rows(0.0, time).stop) - 1
+
+
+class Difference(NamedTuple):
+    """By how much the front left slip of one run is larger than that of another, at most.
+
+    ``slip``: the largest difference of the sizes [rad]; ``share``: of the other slip; ``time``: when it is [s];
+    ``begin``: from when on they differ [s], inf if they don't.
+    """
+
+    slip: float
+    share: float
+    time: float
+    begin: float
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        return f'{"larger" if self.slip > 0.0 else "smaller"} by {degrees(abs(self.slip))}'
+
+
+def difference(one: Recording, other: Recording, begin: float, end: float) -> Difference:
+    """Return the largest difference of the front left slips of two runs between two times [s]."""
+    rows = one.rows(begin, end)
+    size = np.abs(other.side_slip[rows, 0])
+    change = np.abs(one.side_slip[rows, 0]) - size
+    largest = int(np.argmax(np.abs(change)))
+    seen = np.flatnonzero(np.abs(change) > SEEN)
+    first = float(one.time[rows][seen[0]]) if len(seen) else math.inf
+    return Difference(
+        float(change[largest]), float(change[largest] / size[largest]), float(one.time[rows][largest]), first
+    )
 
 
 def _steering(results: Results) -> Picture:
@@ -98,17 +131,12 @@ def _circle(name: str, scenario: str) -> ThesisFigure:
 
 
 def _circle_sentence(one: Recording, other: Recording) -> str:
-    rows = one.rows(ACTING, FREE)
-    difference = (one.side_slip - other.side_slip)[rows, 0]
-    largest = int(np.argmax(np.abs(difference)))
-    share = float(difference[largest] / other.side_slip[rows, 0][largest])
-    sign = 'larger' if share > 0.0 else 'smaller'
-    seen = np.flatnonzero(np.abs(difference) > SEEN)
-    begin = float(one.time[rows][seen[0]]) if len(seen) else FREE
+    during = difference(one, other, ACTING, FREE)
+    after = difference(one, other, FREE + SETTLED, float(one.time[-1]))
     return (
-        f'With the friction circle the slip is {sign} by {degrees(abs(float(difference[largest])))} at most '
-        f'({percent(abs(share))}), at {number(float(one.time[rows][largest]))} s. Until {number(begin)} s it is the '
-        'same: a tyre in its linear region does not feel what it could hold at most.'
+        f'With the friction circle the slip is {during} at most ({percent(abs(during.share))}), at '
+        f'{number(during.time)} s. Until {number(during.begin)} s it is the same: a tyre in its linear region does not '
+        f'feel what it could hold at most. From {number(FREE + SETTLED)} s on it is {after} at most.'
     )
 
 

@@ -30,12 +30,11 @@ def test_every_default_is_there_once_in_its_type() -> None:
     tree = yaml.safe_load(VEHICLE_YAML.read_text(encoding='utf-8'))
     assert set(tree) == set(DECLARED)
     shared = tree['/**']['ros__parameters']
-    period = shared.pop('control_period')
-    assert isinstance(period, float)
-    for pattern, classes in DECLARED.items():
+    for pattern, classes in reversed(DECLARED.items()):  # what nodes share stands once, in what is for all
         found = tree[pattern]['ros__parameters']
-        if pattern == '/**/plant':
-            found['control_period'] = period
+        if pattern != '/**':
+            own = {entry.name for kind in classes for entry in dataclasses.fields(kind)}
+            found |= {name: shared.pop(name) for name in own & set(shared)}
         expected = {entry.name: entry.default for kind in classes for entry in dataclasses.fields(kind)}
         assert set(found) == set(expected)
         for name, default in expected.items():

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,6 +13,8 @@ from omni_vehicle_ros.thesis.files import draw
 from omni_vehicle_ros.thesis.pages import Judged, claims_page, judge
 from omni_vehicle_ros.thesis.registry import FIGURES
 from omni_vehicle_ros.thesis.reproduce import claim_tasks
+from omni_vehicle_ros.thesis.slip_maps import turnover
+from omni_vehicle_ros.thesis.steady import SlipMap
 from omni_vehicle_ros.thesis.tasks import Results
 from omni_vehicle_ros.thesis.workers import Workers
 
@@ -43,6 +46,17 @@ def test_facts_in_words() -> None:
 def test_all_seventeen_claims_are_there() -> None:
     assert [claim.number for claim in CLAIMS] == list(range(1, 18))
     assert all(claim.needs for claim in CLAIMS)
+
+
+def test_where_slips_begin_to_fall_with_the_speed() -> None:
+    """Slips v^2 / R, but those of the rear left tyre fall from 0.5 R on, and one turn ends before."""
+    radius, speed = np.array([4.0, 6.0, 8.0]), np.arange(0.5, 4.0, 0.25)
+    slip = np.repeat(speed**2 / radius[:, np.newaxis], 4, axis=1).reshape(3, -1, 4)
+    slip[:, :, 2] = 1.0 - np.abs(speed - 0.5 * radius[:, np.newaxis]) / radius[:, np.newaxis]
+    slip[0, speed > 1.5] = np.nan
+    found = SlipMap(radius, speed, slip, np.full(3, 4.0), np.empty((3, 0)), np.empty((3, 0, 4)))
+    assert turnover(found) == (6.0, 3.0, 2)
+    assert turnover(found._replace(side_slip=slip[:1])) is None
 
 
 @pytest.fixture(scope='module')

@@ -14,11 +14,14 @@ from numpy.testing import assert_allclose
 
 from omni_vehicle_ros.analysis.style import house_style
 from omni_vehicle_ros.errors import RunError
+from omni_vehicle_ros.thesis.bounds import Bound
 from omni_vehicle_ros.thesis.chart import Chart, Line
 from omni_vehicle_ros.thesis.figure import Picture, ThesisFigure
 from omni_vehicle_ros.thesis.files import draw
+from omni_vehicle_ros.thesis.manoeuvres import CONTROLLERS, Judgement, Trial
 from omni_vehicle_ros.thesis.registry import CHAPTERS, FIGURES, SECTIONS, chosen
 from omni_vehicle_ros.thesis.tasks import Results, Run
+from omni_vehicle_ros.thesis.trade_off import GAINS, GainCurve
 from omni_vehicle_ros.thesis.words import listed, number, percent
 
 NUMBERED = re.compile(r'\d+\.\d+')
@@ -80,7 +83,17 @@ def test_a_picture_and_its_table_show_the_same(tmp_path: Path) -> None:
     assert header == ['time [s]', 'one: side slip [deg]', 'gap: side slip [deg]']
     assert_allclose([float(row[1]) for row in rows], x**2)
     assert [row[2] for row in rows] == ['', '', '', '1.5', '2']
-    assert ElementTree.parse(tmp_path / '9.1.svg').getroot().tag.endswith('svg')
+    root = ElementTree.parse(tmp_path / '9.1.svg').getroot()
+    assert root.findtext('{*}title') == 'Fig. 9.1 \u00b7 Test'
+    assert 'Fig. 9.1' in [''.join(text.itertext()).strip() for text in root.iter('{http://www.w3.org/2000/svg}text')]
+
+
+def test_a_figure_that_is_not_in_the_thesis_has_its_caption_for_a_title(tmp_path: Path) -> None:
+    x = np.linspace(0.0, 1.0, 3)
+    chart = Chart((Line('one', x, '#000000'),), x, 'side slip [deg]')
+    draw(ThesisFigure('beyond', 'Seen from afar', lambda results: chart.picture('seen')), Results({}), tmp_path)
+    root = ElementTree.parse(tmp_path / 'beyond.svg').getroot()
+    assert root.findtext('{*}title') == 'Seen from afar'
 
 
 def test_a_chart_draws_every_line_and_their_difference() -> None:
@@ -90,6 +103,30 @@ def test_a_chart_draws_every_line_and_their_difference() -> None:
     assert [entry.get_label() for entry in upper.lines] == ['a', 'b']
     assert_allclose(lower.lines[0].get_ydata(), 2.0 * x)
     assert lower.get_ylabel() == 'difference [°]'
+
+
+def test_the_data_of_the_trade_off_hold_all_that_is_drawn() -> None:
+    judgement = Judgement(0.05, 0.04, 1.0, 5.5, 0.1, 0.6)
+    curve = np.column_stack((GAINS, np.linspace(0.0, 0.5, len(GAINS)), np.linspace(0.06, 0.03, len(GAINS))))
+    found = {
+        task: judgement if isinstance(task, Trial)
+        else curve if isinstance(task, GainCurve)
+        else Bound(0.04, (0.04,) * 4, (0.0,) * 4, 0.5)
+        for task in FIGURES['trade_off'].needs
+    }
+    with house_style():
+        picture = FIGURES['trade_off'].draw(Results(found))
+    _, _, error, slip = picture.table.values()
+    (axes,) = picture.figure.axes
+    rows = set(zip(error.tolist(), slip.tolist(), strict=True))
+    upright, level = axes.get_xaxis_transform(), axes.get_yaxis_transform()
+    for drawn in axes.lines:
+        x, y = drawn.get_data()
+        if drawn.get_transform() == level:
+            assert (0.0, y[0]) in rows
+        elif drawn.get_transform() != upright:
+            assert set(zip(x, y, strict=True)) <= rows
+    assert len(axes.lines) == 2 * 2 + 2 + len(CONTROLLERS) + 1
 
 
 @pytest.mark.parametrize('name', DIAGRAMS)

@@ -102,14 +102,18 @@ def _bank(results: Results) -> Verdict:
             _larger(slow, fast, 'overshoot') and _larger(slow, fast, 'settling_time'),
             'The tyres damp lateral speed and yaw rate the less the faster the vehicle is.',
         ),
-        Part('a similar value', _near(share, 1.0, SIMILAR), _share_in_words(results, share[0])),
+        Part(
+            f'a similar value (within {percent(SIMILAR)})',
+            _near(share, 1.0, SIMILAR),
+            _share_in_words(results, share[0]),
+        ),
         Part(
             'front above rear',
             _larger(slow[2:], slow[:2], 'steady_state') and _larger(fast[2:], fast[:2], 'steady_state'),
             'Their moments about the centre of gravity balance, and the front axle is nearer to it.',
         ),
         Part(
-            'twice the bank, twice the slip and the same dynamics',
+            f'twice the bank, twice the slip and the same dynamics (within {percent(EQUAL)})',
             _near(twice[0], 2.0, EQUAL) and _near((*twice[1], *twice[2]), 1.0, EQUAL),
             'At slips of a tenth of a degree everything is linear.',
         ),
@@ -123,12 +127,13 @@ def _share_in_words(results: Results, share: float) -> str:
     plain = replace(vehicle, front_roll_steer=0.0, rear_roll_steer=0.0)
     road = Environment(bank=BANK)
     slow, fast = (abs(_straight(plain, km_per_h(speed), road)) for speed in (SLOW, FAST))
-    factors = [1.0 + _stability_factor(vehicle) * km_per_h(speed) ** 2 for speed in (SLOW, FAST)]
+    held = [1.0 / (1.0 + _stability_factor(vehicle) * km_per_h(speed) ** 2) for speed in (SLOW, FAST)]
     return (
         f'At {FAST} km/h the slip is {percent(share)} of that at {SLOW} km/h: the vehicle yields to the bank, and '
         'the turn takes over a part of the force. Of m g sin b the tyres hold 1 / (1 + A v²), A = m (lr \u2212 lf) '
-        f'/ (2 C l²), which makes {percent(factors[0] / factors[1])}; the model without roll steer has '
-        f'{percent(fast / slow)}, and roll steer takes off the rest.'
+        f'/ (2 C l²): {percent(held[0])} at {SLOW} km/h and {percent(held[1])} at {FAST} km/h, which is '
+        f'{percent(held[1] / held[0])} of the former. So it is in the model without roll steer '
+        f'({percent(fast / slow)}); roll steer takes off the rest.'
     )
 
 

@@ -13,8 +13,8 @@ from omni_vehicle_ros.thesis.slip_maps import RADII
 from omni_vehicle_ros.thesis.tasks import Recording, Results
 from omni_vehicle_ros.thesis.words import number, percent
 
-NEGLIGIBLE = 0.01
-"""Share of the slip that may be neglected."""
+NEGLIGIBLE, SMALL = 0.01, 0.25
+"""Share of the slip that may be neglected; share of the largest effect that is small beside it."""
 
 _HALF = 250.0  # N on each of four wheels: as much as 500 N on two
 
@@ -59,7 +59,7 @@ def _roll(results: Results) -> Verdict:
     steer = [_change(results, ROLL_STEER, speed) for speed in SPEEDS]
     parts = [
         Part(
-            'load transfer',
+            f'load transfer (neglected: {percent(NEGLIGIBLE)} of the slip)',
             all(_largest(change.tight_share) > NEGLIGIBLE >= _largest(change.wide_share) for change in load),
             "Dugoff's tyre does not feel its load in its linear region: at 10 m load transfer does nothing at all.",
         ),
@@ -69,13 +69,13 @@ def _roll(results: Results) -> Verdict:
             'Both effects come from the lateral acceleration.',
         ),
         Part(
-            'roll steer in degrees',
-            all(_largest(change.wide) < 0.25 * _largest(change.tight) for change in steer),
+            f'roll steer in degrees (at 10 m less than {percent(SMALL)} of the most)',
+            all(_largest(change.wide) < SMALL * _largest(change.tight) for change in steer),
             'Roll steer is largest where the lateral acceleration is.',
             reading=True,
         ),
         Part(
-            'roll steer as a share of the slip',
+            f'roll steer as a share of the slip (neglected: {percent(NEGLIGIBLE)})',
             all(_largest(change.wide_share) <= NEGLIGIBLE for change in steer),
             'But so is the slip: at 10 m roll steer still changes a slip by up to '
             f'{percent(max(_largest(change.wide_share) for change in steer))} of it, as at any large radius.',

@@ -12,7 +12,7 @@ from omni_vehicle_ros.wheels import WHEELS, PerWheel
 
 FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT = range(4)
 SIMILAR, CLOSE = 0.2, 0.05
-"""By what share similar slips may differ, and by what share of its radius a path that is close."""
+"""By what share slips and paths may differ that are similar, and those that are close."""
 
 _FORMS = ('solved exactly', 'with real actuators')
 _NOTHING = 1e-3  # of the steady slip: an overshoot that is none
@@ -22,8 +22,8 @@ Pair = tuple[Recording, Recording]
 
 def _pairs(results: Results, gains: PerWheel) -> tuple[Pair, Pair]:
     """Return the runs without control and with it, solved exactly and with real actuators."""
-    exact_off, exact_on, sampled_off, sampled_on = (results[task] for task in runs(gains))
-    return (exact_off, exact_on), (sampled_off, sampled_on)
+    exact_off, exact_on, real_off, real_on = (results[task] for task in runs(gains))
+    return (exact_off, exact_on), (real_off, real_on)
 
 
 def _value(recording: Recording, wheel: int, figure: str) -> float:
@@ -105,9 +105,19 @@ def _facts(pairs: tuple[Pair, Pair], wheels: tuple[int, ...]) -> list[Fact]:
     return facts
 
 
-def _similar(pair: Pair, wheel: int) -> bool:
+def _growth(pair: Pair, wheel: int) -> float:
+    """Return by which share of itself control makes the steady slip of a wheel larger."""
     before, after = (_value(found, wheel, 'steady_state') for found in pair)
-    return abs(after / before - 1.0) <= SIMILAR
+    return after / before - 1.0
+
+
+def _growths(pairs: tuple[Pair, Pair], wheel: int) -> str:
+    exact, real = (_change(_growth(pair, wheel)) for pair in pairs)
+    return exact if exact == real else f'{exact} ({real} with real actuators)'
+
+
+def _change(share: float) -> str:
+    return f'{"larger" if share > 0.0 else "smaller"} by {percent(abs(share))}'
 
 
 def _change_of_radius(pair: Pair) -> float:
@@ -123,8 +133,16 @@ def _first_gains(results: Results) -> Verdict:
         ),
         *_parts('their overshoot', 'overshoot', pairs, wheels, _SOFTER),
         *_parts('their settling time', 'settling_time', pairs, wheels, ''),
-        Part('a similar slip rear right', all(_similar(pair, REAR_RIGHT) for pair in pairs), ''),
-        Part('a path that changes greatly', abs(change) > SIMILAR, f'The path is wider by {percent(change)}.'),
+        Part(
+            f'a similar slip rear right (within {percent(SIMILAR)})',
+            all(abs(_growth(pair, REAR_RIGHT)) <= SIMILAR for pair in pairs),
+            f'It becomes {_growths(pairs, REAR_RIGHT)}.',
+        ),
+        Part(
+            f'a path that changes greatly (by more than {percent(SIMILAR)})',
+            abs(change) > SIMILAR,
+            f'It is wider by {percent(change)}.',
+        ),
     ]
     return verdict(parts, _facts(pairs, wheels))
 
@@ -132,19 +150,19 @@ def _first_gains(results: Results) -> Verdict:
 def _second_gains(results: Results) -> Verdict:
     pairs, wheels = _pairs(results, SECOND_GAINS), (FRONT_LEFT, REAR_LEFT)
     first, change = _change_of_radius(_pairs(results, FIRST_GAINS)[0]), _change_of_radius(pairs[0])
-    worse = [not _improved(pair, (FRONT_RIGHT,), 'steady_state') for pair in pairs]
     parts = [
         *_parts('the steady slip of front left and rear left', 'steady_state', pairs, wheels, _wider(pairs[0])),
         *_parts('their overshoot', 'overshoot', pairs, wheels, _SOFTER),
         *_parts('their settling time', 'settling_time', pairs, wheels, ''),
         Part(
-            'only front right worse',
-            all(worse) and all(_similar(pair, REAR_RIGHT) for pair in pairs),
-            'The front right tyre takes over what the front left one gives up.',
+            f'only front right worse (by more than {percent(CLOSE)})',
+            all(_growth(pair, FRONT_RIGHT) > CLOSE >= _growth(pair, REAR_RIGHT) for pair in pairs),
+            'The front right tyre takes over what the front left one gives up: its slip '
+            f'becomes {_growths(pairs, FRONT_RIGHT)}, that of rear right {_growths(pairs, REAR_RIGHT)}.',
         ),
         Part('a path closer than with (5, 5, 0, 0)', abs(change) < abs(first), ''),
         Part(
-            'a path quite close to that without control',
+            f'a path quite close to that without control (within {percent(CLOSE)} of its radius)',
             abs(change) <= CLOSE,
             f'It is wider by {percent(change)}, after {percent(first)} with (5, 5, 0, 0).',
         ),

@@ -13,11 +13,14 @@ from omni_vehicle_ros.thesis.traction import (
     FREE,
     ROLLING,
     SEEN,
+    SETTLED,
     START,
     TRACTION,
     TURN_RADIUS,
     TURNING,
+    Difference,
     at,
+    difference,
     with_circle,
     without_circle,
 )
@@ -107,33 +110,39 @@ def _pulled_facts(results: Results, row: int) -> list[Fact]:
     ]
 
 
-def _circle(results: Results, scenario: str) -> tuple[float, float, float]:
-    """Return the largest change of the front left slip by the friction circle [rad], its share, its begin [s]."""
-    one, other = results[with_circle(scenario)], results[without_circle(scenario)]
-    rows = one.rows(ACTING, FREE)
-    change = np.abs(one.side_slip[rows, 0]) - np.abs(other.side_slip[rows, 0])
-    largest = int(np.argmax(np.abs(change)))
-    seen = np.flatnonzero(np.abs(change) > SEEN)
-    begin = float(one.time[rows][seen[0]]) if len(seen) else math.inf
-    return float(change[largest]), float(change[largest] / abs(other.side_slip[rows, 0][largest])), begin
-
-
 def _friction_circle(results: Results) -> Verdict:
-    (pulled, pulled_share, begin), (braked, braked_share, _) = (_circle(results, name) for name in (TRACTION, BRAKE))
+    (pulled, afterwards), (braked, _) = (_circle(results, name) for name in (TRACTION, BRAKE))
     parts = [
         Part(
             'traction',
-            pulled > 0.0,
+            pulled.slip > 0.0,
             'Traction takes capacity from the tyre, but a tyre in its linear region does not feel its capacity: '
-            f'nothing changes until {number(begin)} s. At most it is {percent(pulled_share)} of the slip.',
+            f'nothing changes until {number(pulled.begin)} s. At most it is {percent(pulled.share)} of the slip. '
+            f'{_afterwards(results, afterwards)}',
         ),
-        Part('brake', braked > 0.0, f'Here it is {percent(braked_share)}, before the vehicle has become slow.'),
+        Part('brake', braked.slip > 0.0, f'Here it is {percent(braked.share)}, before the vehicle has become slow.'),
     ]
     facts = [
-        fact('front left, largest change by traction', math.degrees(pulled), '°'),
-        fact('by brake', math.degrees(braked), '°'),
+        fact('front left, largest change by traction', math.degrees(pulled.slip), '°'),
+        fact(f'from {number(FREE + SETTLED)} s on', math.degrees(afterwards.slip), '°'),
+        fact('by brake', math.degrees(braked.slip), '°'),
     ]
     return verdict(parts, facts)
+
+
+def _circle(results: Results, scenario: str) -> tuple[Difference, Difference]:
+    """Return what the friction circle does to the front left slip while a force acts, and afterwards."""
+    one, other = results[with_circle(scenario)], results[without_circle(scenario)]
+    return difference(one, other, ACTING, FREE), difference(one, other, FREE + SETTLED, float(one.time[-1]))
+
+
+def _afterwards(results: Results, after: Difference) -> str:
+    runs = [results[task] for task in (with_circle(TRACTION), without_circle(TRACTION))]
+    speeds = [float(found.vx[at(found, FREE)]) for found in runs]
+    return (
+        f'From {number(FREE + SETTLED)} s on the slip with it is {after} at most: the larger slip has braked the '
+        f'vehicle, to {number(speeds[0], 4)} in place of {number(speeds[1], 4)} m/s when the traction ends.'
+    )
 
 
 def _slip_by_brake(results: Results) -> Verdict:

@@ -18,7 +18,7 @@ from omni_vehicle_ros.thesis.claims.claim import (
     verdict,
 )
 from omni_vehicle_ros.thesis.simple_turning import LIMIT, LOSS_RADII, TURN_SPEEDS, loss, ratios, turn
-from omni_vehicle_ros.thesis.slip_maps import MAP, SPEEDS, falls_with_radius, rises_with_speed
+from omni_vehicle_ros.thesis.slip_maps import FAST, MAP, SPEEDS, falls_with_radius, rises_with_speed, turnover
 from omni_vehicle_ros.thesis.steady import SlipMap, SlipMapTask
 from omni_vehicle_ros.thesis.tasks import Recording, Results, km_per_h, run
 from omni_vehicle_ros.thesis.words import listed, number, wheel_words
@@ -27,6 +27,8 @@ from omni_vehicle_ros.wheels import WHEELS
 TIGHT = SlipMapTask(run('turning_map'), tuple((np.arange(73, 200, 3) / 100.0).tolist()), tuple(map(km_per_h, (2, 4))))
 RIGHT = SlipMapTask(run('turning_map'), (-5.0,), tuple(map(km_per_h, SPEEDS)))
 """Turns tighter than those of the thesis, and to the right."""
+
+_SIDES = (MAP, FAST), (RIGHT,)
 
 
 def _speed_in_a_small_turn(results: Results) -> Verdict:
@@ -49,7 +51,7 @@ def _speed_in_a_small_turn(results: Results) -> Verdict:
         Part(
             f'a steady state at {TURN_SPEEDS[2]} km/h',
             bool(beyond.metrics['steady']['reached']),
-            'There the vehicle spins at a held speed: at 2 m there is no steady turn above '
+            'There the vehicle spins at a held speed: at 2 m the steady turn that slow driving leads to ends at '
             f'{number(kilometres_per_hour(limit.speed))} km/h.',
         ),
     ]
@@ -87,7 +89,7 @@ def _worst(slips: Array) -> npt.NDArray[np.intp]:
 
 
 def _front_left_is_worst(results: Results) -> Verdict:
-    wide, right = _worst(results[MAP].side_slip), _worst(results[RIGHT].side_slip)
+    wide, right = (_worst(np.vstack([results[task].side_slip.reshape(-1, 4) for task in tasks])) for tasks in _SIDES)
     tight = results[TIGHT]
     others = tight.radius[np.any(np.argmax(np.abs(tight.side_slip), axis=2) != 0, axis=1)]
     last = float(others[-1]) if len(others) else None
@@ -95,10 +97,11 @@ def _front_left_is_worst(results: Results) -> Verdict:
     step = int(np.argmax(np.abs(first)))
     parts = [
         Part(
-            'steady left turns of 2 m and more',
+            f'steady left turns of 2 m and more (up to {number(kilometres_per_hour(results[FAST].speed[-1]))} km/h)',
             bool(np.all(wide == 0)),
             'The front axle, nearer to the centre of gravity, carries more of the side force; both its wheels move '
-            'outward alike, and at the left one, which is slower, that makes the larger angle.',
+            'outward alike, and at the left one, which is slower, that makes the larger angle. '
+            f'{_at_the_limit(results)}',
             reading=True,
         ),
         Part(
@@ -129,6 +132,17 @@ def _front_left_is_worst(results: Results) -> Verdict:
     return verdict(parts, facts)
 
 
+def _at_the_limit(results: Results) -> str:
+    """Return where another tyre is the worst at the limit speed itself, in words."""
+    found = results[FAST]
+    worst = np.argmax(np.abs(found.mesh_slip[:, -1]), axis=1)
+    others = np.flatnonzero(worst != 0)
+    if not len(others):
+        return 'That is so up to the limit speed.'
+    radii = listed([number(radius) for radius in found.radius[others].tolist()])
+    return f'At the limit speed itself, at {radii} m, {_name(worst[others[0]])} is the worst.'
+
+
 def _name(wheel: int) -> str:
     return wheel_words(WHEELS[int(wheel)])
 
@@ -138,7 +152,12 @@ def _speed_and_radius(results: Results) -> Verdict:
     faster, wider = _ordered(wide)
     narrow = [_name(i) for i in range(4) if not falls_with_radius(tight.side_slip[:, :, i])]
     parts = [
-        Part('the speed', all(faster), 'The side force that a turn takes grows with the square of the speed.'),
+        Part(
+            f'the speed (up to the {SPEEDS[-1]} km/h of the thesis)',
+            all(faster),
+            'The side force that a turn takes grows with the square of the speed.',
+        ),
+        _higher_speeds(results[FAST]),
         Part('the radius from 2 m on', all(wider), 'The side force falls with the radius.', reading=True),
         Part(
             'the radius below',
@@ -154,10 +173,26 @@ def _speed_and_radius(results: Results) -> Verdict:
     ends = tuple(math.degrees(float(tight.side_slip[row, -1, 0])) for row in (0, -1))
     facts = [
         fact('steady turns looked at', float(count)),
-        fact('points of the map without one', float(wide.side_slip[:, :, 0].size - count)),
+        fact('points of the map past the limit', float(wide.side_slip[:, :, 0].size - count)),
         Fact(f'front left at 4 km/h, {number(tight.radius[0])} to {number(tight.radius[-1])} m', ends, '°'),
     ]
     return verdict(parts, facts)
+
+
+def _higher_speeds(found: SlipMap) -> Part:
+    """Return what becomes of it up to the limit of each radius, at speeds that the thesis does not go to."""
+    words, first = f'higher speeds (up to {number(kilometres_per_hour(found.speed[-1]))} km/h)', turnover(found)
+    slower = found.speed <= (found.speed[-1] if first is None else first.speed)
+    wider = all(falls_with_radius(found.side_slip[:, slower, i]) for i in range(4))
+    both = 'Both hold' if wider else 'The slip grows with the speed'
+    if first is None:
+        return Part(words, wider, f'{both} at all radii from 2 m on.', reading=True)
+    why = (
+        f'{both} up to {number(kilometres_per_hour(first.speed))} km/h, or to the limit speed where that is lower. '
+        f'Beyond, in turns of {number(first.radius)} m and more, the vehicle comes to where it only runs wide, and the '
+        f'slip of {_name(first.wheel)} is the first to fall with the speed.'
+    )
+    return Part(words, False, why, reading=True)
 
 
 def _ordered(found: SlipMap) -> tuple[list[bool], list[bool]]:
@@ -200,14 +235,14 @@ CLAIMS = (
         4,
         'The front left tyre is always the worst.',
         'sec. 4.2',
-        (MAP, RIGHT, TIGHT, turn(TURN_SPEEDS[1])),
+        (MAP, FAST, RIGHT, TIGHT, turn(TURN_SPEEDS[1])),
         _front_left_is_worst,
     ),
     Claim(
         5,
         'The slip of every tyre grows with the speed and falls with the turn radius.',
         'sec. 4.2',
-        (MAP, TIGHT),
+        (MAP, FAST, TIGHT),
         _speed_and_radius,
     ),
     Claim(

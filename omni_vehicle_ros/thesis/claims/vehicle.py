@@ -53,7 +53,7 @@ def _nearest(results: Results) -> Verdict:
     )
     facts = [
         fact('nearest centre', found, 'm'),
-        fact(f'fastest steady turn about one at {number(NEAREST)} m', kilometres_per_hour(limit.speed), 'km/h'),
+        fact(f'limit speed of a turn about one at {number(NEAREST)} m', kilometres_per_hour(limit.speed), 'km/h'),
     ]
     return verdict([Part(f'{number(CLAIMED_NEAREST)} m', abs(found - CLAIMED_NEAREST) < 5e-4, why)], facts)
 
