@@ -60,8 +60,8 @@ def plot_path(bag: Bag, axes: 'Axes', vehicle: VehicleParameters | None = None) 
     for sight in sights:
         _draw_vehicle(axes, sight, vehicle)
         _write_time(axes, sight, vehicle)
-    axes.set_aspect('equal', adjustable='datalim')
     _fit(axes)
+    axes.set_aspect('equal', adjustable='box')
     axes.set_xlabel('x [m]')
     axes.set_ylabel('y [m]')
 
