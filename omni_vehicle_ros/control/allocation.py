@@ -27,6 +27,13 @@ from omni_vehicle_ros.wheels import PerWheel, per_wheel
 # is left then keeps the vehicle on its path.
 _LEVEL_WHOLE, _LEVEL_NONE = 0.5, 0.8
 
+# Rate at which levelling comes back after it was eased [1/s]: at once, it would be eased and come back in turns.
+_LEVEL_RATE = 0.3
+
+# Share of the slip limit that the path may ask for: the rest is for feedback, without which the vehicle sways at
+# the limit.
+_PLANNED = 0.85
+
 # Difference of the axles' slips that never matters [rad].
 _SLIP_NOISE = 0.01
 
@@ -88,11 +95,11 @@ class AllocationController(CourseController):
     direction would not do: past ``v^2 = 2 C l^2 / (m lf)``, 17 m/s by default, a larger front angle in the
     end turns the direction of the front axle the other way.
 
-    No axle is asked for more than half of the slip of the largest side force, and no wheel is turned much
-    farther from the way that it really goes. Where the path asks for more, the reference moves out to the
-    curvature that the axles can hold without a yaw moment: the vehicle runs wide, and comes back when it is
-    slower. The difference of the axles, which turns the vehicle, comes before what they push together; and
-    where that is not enough to keep it from drifting outward, it turns less.
+    No axle is asked for more than half of the slip of the largest side force, and 0.85 of that by the path
+    alone, and no wheel is turned much farther from the way that it really goes. Where the path asks for more,
+    the reference moves out to the curvature that the axles can hold without a yaw moment: the vehicle runs
+    wide, and comes back when it is slower. The difference of the axles, which turns the vehicle, comes before
+    what they push together; and where that is not enough to keep it from drifting outward, it turns less.
 
     Parameters
     ----------
@@ -115,6 +122,7 @@ class AllocationController(CourseController):
         self._last = self._last_level = NO_SLIP  # where to begin to solve
         self._expected = Twist(0.0, 0.0, 0.0)
         self._lost = 0.0
+        self._levelled = 1.0
 
     def _control(self, course: Course, sensed: Sensed, dt: float) -> Trims:
         vehicle, grip = self._vehicle, self._grip
@@ -132,11 +140,12 @@ class AllocationController(CourseController):
         steer_angle = self._steer(path, scene, sensed.lateral_acceleration)
         if not self._parameters.allocation_traction:
             return Trims(steer_angle)
-        return Trims(steer_angle, self._drive(path.curvature, scene, sensed, capacities))
+        return Trims(steer_angle, self._drive(path.curvature, scene, sensed, capacities, dt))
 
     def _feed_forward(self, scene: _Scene, dt: float) -> _Path:
         """Return the course, or what can be held of it, and the slips that it asks for."""
         course, tyres, drive, limit = scene
+        limit = _PLANNED * limit
         change = self._change(course, dt)
         pull = self._vehicle.mass * course.speed**2
         steady = pull * course.curvature - drive.across
@@ -206,7 +215,7 @@ class AllocationController(CourseController):
         roll = self._grip.roll_steer(lateral_acceleration)
         return per_wheel(lambda i: math.remainder(held[i] - told[i], math.tau) + each[i] - roll[i])
 
-    def _drive(self, curvature: float, scene: _Scene, sensed: Sensed, capacities: PerWheel) -> PerWheel:
+    def _drive(self, curvature: float, scene: _Scene, sensed: Sensed, capacities: PerWheel, dt: float) -> PerWheel:
         """Return the torques of the moment that levels the axles' slips, within the friction circles."""
         course, tyres, drive, limit = scene
         force = self._vehicle.mass * curvature * course.speed**2 - drive.across
@@ -219,7 +228,9 @@ class AllocationController(CourseController):
         present = per_wheel(lambda i: ways[i] * drive.along)
         levers = traction_levers(angle, self._vehicle)
         there = sum(force * lever for force, lever in zip(present, levers, strict=True))
-        moment = -_ease(slips, tyres.means(sensed.side_slip), limit) * (tyres.made(slips).moment + there)
+        share = _ease(slips, tyres.means(sensed.side_slip), limit)
+        self._levelled = min(share, self._levelled + _LEVEL_RATE * dt)
+        moment = -self._levelled * (tyres.made(slips).moment + there)
         added = easiest_moment_forces(moment, angle, course.bearing, room, self._vehicle)
         scale = traction_share(added, present, room) * self._vehicle.wheel_radius
         return per_wheel(lambda i: scale * added[i])

@@ -10,6 +10,7 @@ from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
 from omni_vehicle_ros.control.motion import (
     STRAIGHT,
     Motion,
+    angle_between,
     length_scale,
     magnitude_on_the_way,
     nearest,
@@ -47,6 +48,11 @@ _SLOW_WHEEL = 0.05
 _SLIDING = math.tan(0.6)
 _SLIDING_ON = math.tan(0.25)
 _SLIDING_SPEED = 0.7
+
+# Share of the speed at which it began to slide that the vehicle drives afterwards, and the angle between directions
+# of motion from which on another one is commanded [rad].
+_AFTER_SLIDING = 0.8
+_OTHER_MOTION = 0.2
 
 # A magnitude below this is rest when it is to become 0 [m/s].
 _REST = 0.01
@@ -114,6 +120,7 @@ class IcrSteering:
         self._magnitude: float | None = None
         self._twist = _STILL
         self._sliding = False
+        self._too_fast: tuple[float, Motion] | None = None
         self._angles: PerWheel | None = None
         self._setpoints = Setpoints(_ZERO, _ZERO, _ZERO, _STILL)
         self._notes: list[tuple[int, str]] = []
@@ -221,6 +228,7 @@ class IcrSteering:
         magnitude = demand.magnitude
         if demand.motion is not None:
             magnitude = magnitude_on_the_way(magnitude, self._motion, demand.motion)
+        magnitude = self._after_sliding(magnitude, demand.motion)
         return self._drive(sense * magnitude, steering.speeds, dt)
 
     def _rest(self, dt: float) -> Setpoints:
@@ -241,7 +249,7 @@ class IcrSteering:
     def _drive(self, wanted: float, unit_speeds: PerWheel, dt: float) -> Setpoints:
         speeds, measured = self._measured_speeds, self._measured_magnitude(unit_speeds)
         before = measured if self._magnitude is None else self._magnitude
-        if self._slides():
+        if self._slides(before):
             self._speed_controller.reset()
             self._magnitude = math.copysign(min(abs(measured), abs(before)), before)
             return self._set(self._magnitude, unit_speeds, self._brake())
@@ -253,7 +261,11 @@ class IcrSteering:
             fastest = self._steering.maximum_wheel_speed
             text = f'a wheel would be faster than maximum_wheel_speed, {fastest:g} m/s: all are slowed down'
             self._notes.append((WARN, text))
-        wanted = min(max(wanted, -most), most) * self._alignment(unit_speeds)
+        aligned = self._alignment(unit_speeds)
+        if aligned < 1.0 and abs(measured) > _SLIDING_SPEED:
+            text = f'a wheel is more than {_ALIGNED:g} rad off its set-point: the vehicle slows down'
+            self._notes.append((WARN, text))
+        wanted = min(max(wanted, -most), most) * aligned
         limit = self._steering.acceleration_limit
         magnitude = self._magnitude = _ramp(before, wanted, limit, dt)
         if magnitude == 0.0 or (wanted * magnitude <= 0.0 and STOPPING_RATE * abs(magnitude) < limit):
@@ -270,14 +282,28 @@ class IcrSteering:
         most = self._largest_magnitude(unit_speeds)
         return min(max(magnitude_along(self._twist, self._motion or STRAIGHT, self._vehicle), -most), most)
 
-    def _slides(self) -> bool:
+    def _slides(self, magnitude: float) -> bool:
         """Return whether the wheels go across their headings rather than along them, as in a spin."""
         across, along = sideways_speed(self._twist, self._measured_angles, self._vehicle)
-        share = _SLIDING_ON if self._sliding else _SLIDING
+        share, before = _SLIDING_ON if self._sliding else _SLIDING, self._sliding
         self._sliding = across > max(share * along, _SLIDING_SPEED)
+        if self._sliding and not before:
+            self._too_fast = _AFTER_SLIDING * abs(magnitude), self._motion or STRAIGHT
         if self._sliding:
             self._notes.append((WARN, 'the vehicle slides sideways: its wheels brake until they roll again'))
         return self._sliding
+
+    def _after_sliding(self, magnitude: float, motion: Motion | None) -> float:
+        """Return what may be driven of a magnitude: not again what made the vehicle slide."""
+        if self._too_fast is None or self._sliding:
+            return magnitude
+        most, slid = self._too_fast
+        if abs(magnitude) <= most or motion is None or angle_between(motion, slid) > _OTHER_MOTION:
+            self._too_fast = None
+            return magnitude
+        text = f'no faster than {most:.2g} m/s after a slide, until a slower or another motion is commanded'
+        self._notes.append((WARN, text))
+        return math.copysign(most, magnitude)
 
     def _brake(self) -> PerWheel:
         mass = self._vehicle.mass

@@ -125,6 +125,11 @@ def nearest(motion: Motion, reference: Motion) -> float:
     return -1.0 if _dot(motion, reference) < _REVERSE else 1.0
 
 
+def angle_between(motion: Motion, other: Motion) -> float:
+    """Return the angle between two directions [rad]."""
+    return math.acos(min(max(_dot(motion, other), -1.0), 1.0))
+
+
 def opposite(motion: Motion) -> Motion:
     """Return the direction backwards."""
     return Motion(-motion.ux, -motion.uy, -motion.ur)
