@@ -158,7 +158,12 @@ def draw_map(
     ] = None,
     friction: Annotated[
         float | None,
-        typer.Option('--friction', metavar='MU', help='Friction coefficient. Default: as FILE says, 0.9 without.'),
+        typer.Option(
+            '--friction',
+            metavar='MU',
+            help='Friction coefficient under all wheels. Default: that of FILE, if it is one of ROS parameters, a '
+            'scenario, or has plant: {friction: [FL, FR, RL, RR]} beside vehicle:; else 0.9.',
+        ),
     ] = None,
     radius: Annotated[str, typer.Option('--radius', metavar='LOW:HIGH', help='Radii of the command [m].')] = '2:20',
     speed: Annotated[str, typer.Option('--speed', metavar='LOW:HIGH', help='Forward speeds [m/s].')] = '0.5:15',

@@ -98,14 +98,19 @@ def results_table(scenario: Scenario, result: RunResult) -> None:
 
 def limit_table(found: 'TurnMap') -> None:
     """Print the limit speeds of a turn map, for some of its radii."""
-    heads = ('radius [m]', 'limit [m/s]', 'limit [km/h]', 'lost by', 'path [m]', 'most lateral force at [m/s]')
+    heads = (
+        'radius [m]', 'limit [m/s]', 'limit [km/h]', 'lost by', 'path there [m]', 'runs wide from [m/s]',
+        'an axle slides from [m/s]',
+    )  # fmt: skip
     table = Table(*(Column(Text(head)) for head in heads), title=Text(f'{found.request.title}: limit speed'))
     top = found.request.speeds[-1]
     for column in found.columns[:: max(1, (len(found.columns) - 1) // LIMITS_SHOWN)]:
-        speed, cause, grip_speed = column.limit
+        speed, cause, grip_speed, slide_speed = column.limit
         limit = (f'above {top:g}', '-') if speed is None else (f'{speed:.3f}', f'{speed * KMH:.2f}')
-        path = column.edge.path_radius if column.edge else None
-        table.add_row(_number(column.radius), *limit, cause or '-', _number(path), _number(grip_speed))
+        last = column.turns[-1] if speed is None else column.edge
+        path = last.path_radius if last else None
+        marks = map(_number, (path, grip_speed, slide_speed))
+        table.add_row(_number(column.radius), *limit, cause or '-', *marks)
     Console(soft_wrap=True).print(table)
 
 

@@ -10,10 +10,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from omni_vehicle_ros.control.commands import check_cmd_vel, check_icr
 from omni_vehicle_ros.control.loop_check import check_gains
-from omni_vehicle_ros.errors import OmniVehicleError, ParameterError, RunError
+from omni_vehicle_ros.errors import CommandError, OmniVehicleError, ParameterError, RunError
 from omni_vehicle_ros.interface import DRIVER, NODES, SIDE_SLIP_CONTROLLER
+from omni_vehicle_ros.messages import Point, Twist
 from omni_vehicle_ros.scenarios import Scenario
+from omni_vehicle_ros.scenarios.yaml_text import parse
 
 if TYPE_CHECKING:
     from omni_vehicle_ros.graph import Graph
@@ -98,6 +101,24 @@ class Stopwatch:
 def participants(scenario: Scenario) -> tuple[str, ...]:
     """Return the nodes that a scenario needs."""
     return tuple(node for node in NODES if node != SIDE_SLIP_CONTROLLER or scenario.side_slip_control)
+
+
+def check_commands(scenario: Scenario) -> None:
+    """Check that the vehicle can turn to where the driver of a scenario will say.
+
+    Raises
+    ------
+    RunError
+        A command asks for more than the wheels' range.
+    """
+    for number, command in enumerate(scenario.commands):
+        try:
+            if isinstance(command.icr, tuple):
+                check_icr(Point(0, *command.icr), scenario.vehicle, scenario.steering)
+            if command.cmd_vel is not None:
+                check_cmd_vel(Twist(0, *command.cmd_vel), scenario.vehicle, scenario.steering)
+        except CommandError as error:
+            raise RunError(f'{scenario.name}: commands[{number}]: {error}') from None
 
 
 def check_loop(scenario: Scenario, mode: str = 'processes') -> None:
@@ -193,16 +214,17 @@ def run_scenario(
     Raises
     ------
     RunError
-        The directory exists, a node failed, an offline run was to keep real time, or the side-slip loop would
-        diverge.
+        The directory exists, a node failed, an offline run was to keep real time, a command asks for what no wheel
+        reaches, or the side-slip loop would diverge.
     Interrupted
         A signal ended the nodes.
     """
     if mode == 'offline' and pacing == 'realtime':
         raise RunError('mode offline has no wall clock; choose --pacing lockstep, or --mode processes')
+    check_commands(scenario)
     check_loop(scenario, mode)
     check_namespace(namespace)
-    with new_directory(directory):
+    with new_directory(directory), _saying_what_lies_there(directory):
         (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
         progress(0.0)
         watch = Stopwatch(progress)
@@ -237,8 +259,26 @@ def _drive(graph: 'Graph', directory: Path, scenario: Scenario, progress: Progre
     except RunError as error:
         raise RunError(f'{error}{_salvage(directory, scenario)}') from None
     if graph.interrupted:
-        recorded = f'; {graph.messages} messages lie in {directory / "bag"}' if graph.messages else ''
-        raise Interrupted(f'interrupted{recorded}', graph.interrupted)
+        raise Interrupted('interrupted', graph.interrupted)
+
+
+@contextmanager
+def _saying_what_lies_there(directory: Path) -> Iterator[None]:
+    """Add to the words of an interruption what of the run is in its directory."""
+    try:
+        yield
+    except Interrupted as error:
+        raise Interrupted(f'{error}{_recorded(directory / "bag")}', error.number) from None
+
+
+def _recorded(bag: Path) -> str:
+    from omni_vehicle_ros.bags.metadata import FILE_NAME, ROOT
+
+    try:
+        count = parse((bag / FILE_NAME).read_bytes())[ROOT]['message_count']
+    except OSError:
+        return ''
+    return f'; {count} messages lie in {bag}' if count else ''
 
 
 def _salvage(directory: Path, scenario: Scenario) -> str:

@@ -5,14 +5,15 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from omni_vehicle_ros.bags import read_messages
 from omni_vehicle_ros.errors import RunError
-from omni_vehicle_ros.run import new_directory
-from omni_vehicle_ros.scenarios import scenario_names
+from omni_vehicle_ros.run import check_commands, new_directory
+from omni_vehicle_ros.scenarios import Command, load_scenario, scenario_names
 
 COMMAND = (sys.executable, '-m', 'omni_vehicle_ros.executables', 'cli')
 
@@ -21,8 +22,8 @@ def omni_vehicle(path: Path, *arguments: str) -> 'subprocess.CompletedProcess[st
     return subprocess.run([*COMMAND, *arguments], cwd=path, capture_output=True, text=True, timeout=120, check=False)
 
 
-def interrupt(path: Path, number: signal.Signals, mark: str, size: int, *arguments: str) -> None:
-    """Send a signal, twice, to a command once it has made a directory or a file of a size, and check how it ends."""
+def interrupt(path: Path, number: signal.Signals, mark: str, size: int, *arguments: str) -> str:
+    """Send a signal, twice, to a command once it has made a directory or a file of a size; return its last words."""
     command = subprocess.Popen(
         [*COMMAND, *arguments], cwd=path, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True,
@@ -35,8 +36,8 @@ def interrupt(path: Path, number: signal.Signals, mark: str, size: int, *argumen
     command.send_signal(number)
     _, errors = command.communicate(timeout=60.0)
     assert command.returncode == 128 + number, errors
-    assert errors.splitlines()[-1] == 'interrupted'
     assert 'Traceback' not in errors
+    return errors.splitlines()[-1]
 
 
 @pytest.mark.parametrize(
@@ -50,6 +51,8 @@ def interrupt(path: Path, number: signal.Signals, mark: str, size: int, *argumen
         (('run', 'demo', '--set', 'speed'), 'speed'),
         (('run', 'demo', '--set', 'vehicle.mass=-1'), 'vehicle: mass: -1 is outside 1 .. 100000 kg'),
         (('run', 'demo', '--set', 'speed=nan'), 'speed'),
+        (('run', 'simple_turning', '--set', 'radius=0'), 'simple_turning.yaml with radius=0: commands[0]: icr: [0, 0]'),
+        (('run', 'simple_turning', '--set', 'radius=0.5'), 'commands[0]: driver/icr: ICR 0.500 m to the side is'),
         (('run', 'demo', '--mode', 'thread'), "'thread' is not one of processes, one-process, offline"),
         (('run', 'demo', '--pacing', 'slow'), "'slow' is not one of lockstep, realtime"),
         (('run', 'demo', '--mode', 'offline', '--pacing', 'realtime'), 'no wall clock'),
@@ -114,19 +117,33 @@ def test_help_and_scenarios(tmp_path: Path) -> None:
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_map_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
     """Its directory and the one above were made by it, and hold nothing yet."""
-    interrupt(tmp_path, number, 'new/map', 0, 'map', '--out', 'new/map')
+    assert interrupt(tmp_path, number, 'new/map', 0, 'map', '--out', 'new/map') == 'interrupted'
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_offline_run_leaves_its_bag(tmp_path: Path, number: signal.Signals) -> None:
-    """The bag is closed: what was recorded before can be read."""
+    """The bag is closed: what was recorded before can be read, and the last line says where and how much it is."""
     settings = ('--set', 'duration=600', '--mode', 'offline', '--out', 'run')
-    interrupt(tmp_path, number, 'run/bag/bag_0.mcap', 100_000, 'run', 'simple_turning', *settings)
+    words = interrupt(tmp_path, number, 'run/bag/bag_0.mcap', 100_000, 'run', 'simple_turning', *settings)
     assert not (tmp_path / 'run' / 'report.html').exists()
     stream = read_messages(tmp_path / 'run' / 'bag')
-    assert all(message.log_time < 600_000_000_000 for message in stream)
+    times = [message.log_time for message in stream]
+    assert max(times) < 600_000_000_000
     assert stream.complete
+    assert words == f'interrupted; {len(times)} messages lie in run/bag'
+
+
+@pytest.mark.parametrize('name', scenario_names())
+def test_all_commands_of_the_scenarios_can_be_followed(name: str) -> None:
+    check_commands(load_scenario(name))
+
+
+def test_commands_that_no_wheel_reaches_are_refused() -> None:
+    scenario = replace(load_scenario('demo'), commands=(Command(0.0), Command(1.0, cmd_vel=(0.0, 1.0, 0.0))))
+    check_commands(scenario)
+    with pytest.raises(RunError, match=r'demo: commands\[1\]: cmd_vel: .* beyond steer_limit, 1\.2 rad'):
+        check_commands(replace(scenario, steering=replace(scenario.steering, steer_limit=1.2)))
 
 
 def test_a_new_directory_is_taken_away_again_if_it_stays_empty(tmp_path: Path) -> None:

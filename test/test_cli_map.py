@@ -53,6 +53,9 @@ def test_a_map_is_drawn_and_its_numbers_lie_beside_it(folder: Path) -> None:
         (('--friction', '3'), 'friction: 3.0 is outside 0.01 .. 2'),
         (('--radius', '20:2'), "--radius: '20:2' must be two numbers above 0"),
         (('--radius', '0.5:5'), 'radius: 0.5 m must be beyond half of the track, 0.718 m'),
+        (('--speed', '1:1e6'), '--speed: 1e+06 m/s is above 100 m/s, the most that a map goes to; give LOW:HIGH'),
+        (('--radius', '2:1e6'), '--radius: 1e+06 m is above 10000 m, the most that a map goes to'),
+        (('--set', 'friction=0.5'), 'give --friction'),
         (('--out', 'there'), 'there: exists already'),
     ],
 )

@@ -14,6 +14,8 @@ from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.scenarios.vehicle_file import load_road, load_vehicle
 
 COUNT = 61  # of radii and of speeds
+FASTEST = 100.0  # m/s, as of any speed that is a parameter
+WIDEST = 1e4  # m, with next to no side force even so
 
 
 class MapRequest(NamedTuple):
@@ -51,7 +53,7 @@ def read_request(
     """
     vehicle = load_vehicle(path, overrides)
     road = _road(path, friction)
-    radii, speeds = even_grid('--radius', radius), even_grid('--speed', speed)
+    radii, speeds = even_grid('--radius', radius, WIDEST, 'm'), even_grid('--speed', speed, FASTEST, 'm/s')
     # The compiled physics takes a second to import; what is refused before should not pay for it.
     from omni_vehicle_ros.model.turning import turning
 
@@ -76,7 +78,7 @@ def _in_words(road: Environment) -> Iterator[str]:
         yield f'wind {road.wind:g} m/s'
 
 
-def even_grid(option: str, text: str) -> tuple[float, ...]:
+def even_grid(option: str, text: str, highest: float, unit: str) -> tuple[float, ...]:
     """Read a range, such as ``2:20``, as evenly spaced numbers.
 
     Parameters
@@ -85,11 +87,13 @@ def even_grid(option: str, text: str) -> tuple[float, ...]:
         Where the text comes from, for the error.
     text
         Two numbers, above 0 and rising, with a colon between.
+    highest, unit
+        What the larger one may be, and in which unit.
 
     Raises
     ------
     ParameterError
-        The text says something else.
+        The text says something else, or a number is above the highest.
     """
     try:
         low, high = map(float, text.split(':'))
@@ -97,4 +101,9 @@ def even_grid(option: str, text: str) -> tuple[float, ...]:
         raise ParameterError(f'{option}: {text!r} must be LOW:HIGH, such as 2:20') from None
     if not 0.0 < low < high < math.inf:
         raise ParameterError(f'{option}: {text!r} must be two numbers above 0, the larger one last')
+    if high > highest:
+        raise ParameterError(
+            f'{option}: {high:g} {unit} is above {highest:g} {unit}, the most that a map goes to; '
+            'give LOW:HIGH within it'
+        )
     return tuple(np.linspace(low, high, COUNT).tolist())

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
+from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from omni_vehicle_ros.analysis.signals import Array
 from omni_vehicle_ros.analysis.style import INK, MUTED, PAPER, house_style
@@ -28,11 +29,12 @@ _RATES = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 _WIDER = (1.05, 1.1, 1.25, 1.5, 2.0, 3.0, 5.0)
 _DAMPING = (0.5, 0.7, 0.9)
 _NOTHING, _OTHER = '#eceff2', '#c9b8dd'
-_DASHES, _DOTS, _BOTH = (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5))
+_DASHES, _DOTS, _BOTH, _LONG = (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 1.5))
 _LIMITS: dict[str, Any] = {
-    'fold': '-', 'sliding': (0, (4, 1)), 'lift': (0, (1, 1)), 'divergence': (0, (6, 1, 1, 1)),
+    'fold': '-', 'skid': (0, (4, 1)), 'lift': (0, (1, 1)), 'divergence': (0, (6, 1, 1, 1)),
     'oscillation': (0, (2, 2)),
 }  # fmt: skip
+_THIN, _EDGE = 0.6, 0.8  # points
 _CROWDED = 0.95  # of the speed of a fold, past which lines say nothing
 _KMH = 3.6
 
@@ -73,6 +75,7 @@ def _draw_slip(axes: 'Axes', found: TurnMap) -> None:
     _lines(axes, found, (radii, speeds, path / radii), _WIDER, '{:g} R')
     _draw(axes, found, [column.nonlinear for column in found.columns], _DOTS, 'a tyre leaves its linear region')
     _draw(axes, found, [column.sliding for column in found.columns], _BOTH, 'a tyre slides')
+    _draw(axes, found, [column.limit.slide_speed for column in found.columns], _LONG, 'both tyres of an axle slide')
     axes.set_title('Worst side slip of the four tyres; thin lines: radius of the path')
 
 
@@ -120,9 +123,20 @@ def _draw(
     axes: 'Axes', found: TurnMap, speeds: Sequence[float | None], style: Any, label: str, width: float = 1.3
 ) -> None:
     known = [math.nan if speed is None else speed for speed in speeds]
-    if not all(map(math.isnan, known)):
-        radii = [column.radius for column in found.columns]
-        axes.plot(radii, known, color=INK, linestyle=style, linewidth=width, label=label, zorder=4)
+    if all(map(math.isnan, known)):
+        return
+    radii = [column.radius for column in found.columns]
+    (drawn,) = axes.plot(radii, known, color=INK, linestyle=style, linewidth=width, label=label, zorder=4)
+    drawn.set_path_effects(_halo(width + _EDGE))
+    there = np.isfinite([math.nan, *known, math.nan])
+    alone = np.flatnonzero(there[1:-1] & ~there[:-2] & ~there[2:])
+    if alone.size:  # a line needs two points
+        drawn.set(marker='D', markersize=2.0 * width, markevery=alone.tolist())
+
+
+def _halo(width: float) -> list[AbstractPathEffect]:
+    """Return an edge of paper round what may lie on a dark colour."""
+    return [withStroke(linewidth=width, foreground=PAPER)]
 
 
 def _mesh(found: TurnMap, quantity: Callable[[SteadyTurn], float]) -> Mesh:
@@ -140,5 +154,7 @@ def _lines(axes: 'Axes', found: TurnMap, mesh: Mesh, levels: tuple[float, ...], 
     radii, speeds, values = mesh
     ends = (column.end if column.end >= found.request.speeds[-1] else _CROWDED * column.end for column in found.columns)
     there = speeds[:, np.newaxis] <= list(ends)
-    lines = axes.contour(radii, speeds, np.where(there, values, math.nan), levels=levels, colors=INK, linewidths=0.6)
-    axes.clabel(lines, fmt=words.format, fontsize=7.5)
+    lines = axes.contour(radii, speeds, np.where(there, values, math.nan), levels=levels, colors=INK, linewidths=_THIN)
+    lines.set_path_effects(_halo(_THIN + _EDGE))
+    for text in axes.clabel(lines, fmt=words.format, fontsize=7.5):
+        text.set_path_effects(_halo(2.0))

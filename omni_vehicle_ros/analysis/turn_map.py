@@ -24,8 +24,8 @@ POINT_COLUMNS = (
     *(f'side_slip_{wheel}' for wheel in WHEELS), *(f'region_{wheel}' for wheel in WHEELS),
 )  # fmt: skip
 LIMIT_COLUMNS = (
-    'radius', 'limit_speed', 'cause', 'grip_speed', 'nonlinear_speed', 'sliding_speed', 'path_radius',
-    'lateral_acceleration',
+    'radius', 'limit_speed', 'cause', 'path_radius', 'lateral_acceleration', 'grip_speed', 'nonlinear_speed',
+    'sliding_speed', 'axle_sliding_speed',
 )  # fmt: skip
 TAIL = (0.12, 0.09, 0.06, 0.04, 0.02, 0.01, 0.005)  # steps
 HALVINGS = 10  # of a step between two speeds, to find where a tyre changes its region
@@ -39,9 +39,9 @@ class Column(NamedTuple):
 
     ``others``: where there is none, another one, a stable one if there is, or None if none lies on the curves that
     are followed (see `omni_vehicle_ros.model.other_turns`); of two alike the one with less slip. ``limit`` up to the
-    largest speed of the map; ``edge``: the turn at the limit, None if there is no limit; ``end``: speed up to which
-    slow driving leads to them [m/s]; ``tail``: more turns towards it, with their speeds; ``nonlinear``, ``sliding``:
-    speed from which on a tyre is past its linear region, and slides [m/s], None if none does.
+    largest speed of the map; ``edge``: the turn at the limit, None if there is no limit; ``end``: the limit, or that
+    largest speed [m/s]; ``tail``: more turns towards it, with their speeds; ``nonlinear``, ``sliding``: speed from
+    which on a tyre is past its linear region, and slides [m/s], None if none does up to the end.
     """
 
     radius: float
@@ -87,18 +87,22 @@ def turn_map(request: MapRequest, progress: Callable[[float], None] = lambda don
 
 
 def _column(branch: Branch, speeds: Sequence[float], tightening: Callable[[float], TurnCurve]) -> Column:
-    limit, end = branch.limit, min(branch.end, speeds[-1])
+    limit = branch.limit
     if limit.speed is not None and limit.speed > speeds[-1]:
         limit = limit._replace(speed=None, cause=None)
-    turns = tuple(branch.turn(speed) for speed in speeds)
+    end = speeds[-1] if limit.speed is None else limit.speed
+    edge = None if limit.speed is None else branch.turn(limit.speed)
+    turns = tuple(branch.turn(speed) if speed <= end else None for speed in speeds)
     tail = _tail(branch, max((speed for speed in speeds if speed < end), default=0.0), end)
+    if edge and not tail:
+        tail = ((end, edge),)
     known = [*((speed, turn) for speed, turn in zip(speeds, turns, strict=True) if turn), *tail]
     return Column(
         radius=branch.turning.radius,
         turns=turns,
-        others=tuple(_others(branch, speeds, tightening)),
+        others=tuple(_others(branch, end, speeds, tightening)),
         limit=limit,
-        edge=None if limit.speed is None else branch.turn(limit.speed),
+        edge=edge,
         end=end,
         tail=tail,
         nonlinear=_first(branch, known, Region.NONLINEAR),
@@ -107,13 +111,20 @@ def _column(branch: Branch, speeds: Sequence[float], tightening: Callable[[float
 
 
 def _others(
-    branch: Branch, speeds: Sequence[float], tightening: Callable[[float], TurnCurve]
+    branch: Branch, end: float, speeds: Sequence[float], tightening: Callable[[float], TurnCurve]
 ) -> Iterator[SteadyTurn | None]:
     """Yield for every speed the best of the turns that slow driving does not lead to, None where it leads to one."""
-    radius, rest = branch.turning.radius, past_fold(branch, speeds[-1])
+    rest = past_fold(branch, speeds[-1])
     for speed in speeds:
-        found = [] if speed <= branch.end else [*rest.turns(speed), *tightening(speed).turns(radius)]
+        found = [] if speed <= end else _past_the_limit(branch, rest, tightening(speed), speed)
         yield min(found, key=lambda turn: (not turn.stable, worst_slip(turn)), default=None)
+
+
+def _past_the_limit(branch: Branch, rest: TurnCurve, tightening: TurnCurve, speed: float) -> list[SteadyTurn]:
+    """Return the turns of a speed [m/s]; where the branch goes on without a fold, it may be stable again farther on."""
+    beyond = branch.turn(speed)
+    others = [*rest.turns(speed), *tightening.turns(branch.turning.radius)]
+    return others if beyond is None else [beyond, *others]
 
 
 def _tail(branch: Branch, start: float, end: float) -> tuple[Known, ...]:
@@ -148,11 +159,12 @@ def write_tables(found: TurnMap, directory: Path) -> None:
     """Write ``map.csv``, a row for every radius and speed, and ``limit.csv``, a row for every radius; SI, rad.
 
     In ``map.csv``, ``exists`` says whether a steady turn lies on the curves that slow driving begins, ``slow_driving``
-    whether it is the one that a vehicle comes to that speeds up with its wheels held, as is the case wherever that goes
-    so far, and ``stable`` whether the turn of this row is stable. The margin is the share of the limit speed of
-    speeding up that is left. A cell is empty where there is no such number: no steady turn, no limit up to the largest
-    speed, a damping ratio of a saddle. `SteadyTurn` and `Limit` say what the others are. In ``limit.csv`` path and
-    acceleration are those at the limit.
+    whether it is the one that a vehicle comes to that speeds up with its wheels held, as it does up to the limit speed
+    and not beyond, and ``stable`` whether the turn of this row is stable, as those of slow driving are. The margin is
+    the share of the limit speed that is left, negative past it. A cell is empty where there is no such number: no
+    steady turn, no limit up to the largest speed, a damping ratio of a saddle. `SteadyTurn` and `Limit` say what the
+    others are. In ``limit.csv`` path and acceleration are those at the limit; ``sliding_speed`` is that from which on
+    one tyre slides, ``axle_sliding_speed`` that from which on both of an axle do.
     """
     _write(directory / 'map.csv', POINT_COLUMNS, _point_rows(found))
     _write(directory / 'limit.csv', LIMIT_COLUMNS, map(_limit_row, found.columns))
@@ -185,9 +197,9 @@ def _turn_cells(turn: SteadyTurn) -> list[Cell]:
 
 
 def _limit_row(column: Column) -> list[Cell]:
-    edge, (speed, cause, grip_speed) = column.edge, column.limit
+    edge, (speed, cause, grip_speed, slide_speed) = column.edge, column.limit
     path = (edge.path_radius, edge.lateral_acceleration) if edge else (None, None)
-    return [column.radius, speed, cause, grip_speed, column.nonlinear, column.sliding, *path]
+    return [column.radius, speed, cause, *path, grip_speed, column.nonlinear, column.sliding, slide_speed]
 
 
 def _word(flag: bool) -> str:

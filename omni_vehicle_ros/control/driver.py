@@ -165,7 +165,7 @@ class Driver:
         return notes
 
     def _refuse(self, topic: str, error: CommandError, now: int) -> None:
-        holds = 'there is no good one: speed 0' if self._lost else 'the last good one holds'
+        holds = 'no ICR before it was good, so the commanded speed is 0' if self._lost else 'the last good one holds'
         self._refused[topic] = f'{error}; refused, {holds}', now
 
     def _accept(self, source: Source, stamp: int, now: int, warning: str) -> None:

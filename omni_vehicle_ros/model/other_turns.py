@@ -18,7 +18,7 @@ from omni_vehicle_ros.model.body import Inputs
 from omni_vehicle_ros.model.continuation import Curve, Point
 from omni_vehicle_ros.model.state import Vector
 from omni_vehicle_ros.model.steady_turn import CREEP, Branch
-from omni_vehicle_ros.model.turning import SIDEWAYS, SteadyTurn, Turning
+from omni_vehicle_ros.model.turning import SteadyTurn, Turning
 from omni_vehicle_ros.wheels import per_wheel
 
 LONGEST_STEP = 0.1
@@ -114,7 +114,7 @@ def _traced(held: Turning | Tightening, first: Point, low: float, high: float) -
     """Follow a curve to its end, and a step beyond the largest parameter."""
 
     def goes_on(point: Point) -> bool:
-        inside = low <= point.place[0] <= high + LONGEST_STEP
-        return bool(inside and abs(point.place[1]) < SIDEWAYS) and not held.turn(point).lifted
+        turn, inside = held.turn(point), low <= point.place[0] <= high + LONGEST_STEP
+        return bool(inside) and not turn.skids and not turn.lifted
 
     return TurnCurve(held, held.curve.trace(first, LONGEST_STEP, goes_on))

@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.model.continuation import Point
 from omni_vehicle_ros.model.dynamics import Environment
-from omni_vehicle_ros.model.turning import SIDEWAYS, SteadyTurn, Turning, speed_of, turning
+from omni_vehicle_ros.model.turning import SteadyTurn, Turning, speed_of, turning
 from omni_vehicle_ros.parameters import VehicleParameters
 
 LEVEL_ROAD = Environment()
@@ -25,27 +25,30 @@ TOP_SPEED = 60.0  # m/s
 LONGEST_STEP = 0.05
 FLAT = 1e-3  # share of the speed in a step along the branch where it turns back
 
-Cause = Literal['fold', 'divergence', 'oscillation', 'sliding', 'lift']
+Cause = Literal['fold', 'divergence', 'oscillation', 'skid', 'lift']
 _Loss = tuple[float, Cause] | tuple[None, None]
 
 
 class Limit(NamedTuple):
     """Where the steady turns of a radius are lost to a vehicle that speeds up slowly.
 
-    ``speed``: up to it all those that slow driving leads to are stable, with no axle sliding and no wheel in the air
-    [m/s]. ``cause``: what comes then; None as ``speed`` is if nothing does. ``grip_speed``: the speed of the largest
-    lateral acceleration [m/s], from which on a faster vehicle only runs wide; None if it still grows where the branch
-    ends.
+    ``speed``: the largest forward speed up to which slow driving leads to a stable steady turn with all wheels on the
+    ground [m/s]. ``cause``: what comes then; None as ``speed`` is if nothing does.
 
     - fold: the branch turns back, slow driving leads to no steady turn at a higher speed;
     - divergence, oscillation: it leads to one, but disturbances grow, without or with oscillation;
-    - sliding: both tyres of an axle slide, or the vehicle skids sideways;
+    - skid: the vehicle moves sideways rather than forward, or there is no grip for a turn at any speed;
     - lift: a wheel leaves the ground.
+
+    A turn that is not lost may be wide all the same. ``grip_speed``: the speed of the largest lateral acceleration
+    [m/s], from which on a faster vehicle only runs wide; ``slide_speed``: that from which on both tyres of an axle
+    slide [m/s]. None if they don't come up to the limit.
     """
 
     speed: float | None
     cause: Cause | None
     grip_speed: float | None
+    slide_speed: float | None
 
     def margin(self, speed: float) -> float | None:
         """Return by how much of the limit a speed [m/s] lies below it, negative above; None without a limit."""
@@ -147,9 +150,11 @@ def steady_turns(
     held = turning(vehicle, radius, environment)
     first = held.creeping(min(CREEP, top_speed))
     if first is None:  # bank or wind take more than the grip there is
-        return Branch(held, (), Limit(0.0, 'sliding', None))
+        return Branch(held, (), Limit(0.0, 'skid', None, None))
     points, turns, (lost, cause) = _followed(held, first, top_speed)
-    return Branch(held, tuple(points), Limit(lost, cause, _grip_speed(held, points, turns)))
+    marks = _grip_speed(held, points, turns), _slide_speed(held, points, turns)
+    grip, slide = (None if mark is None or (lost is not None and mark > lost) else mark for mark in marks)
+    return Branch(held, tuple(points), Limit(lost, cause, grip, slide))
 
 
 def _followed(held: Turning, first: Point, top_speed: float) -> tuple[list[Point], list[SteadyTurn], _Loss]:
@@ -176,21 +181,31 @@ def _followed(held: Turning, first: Point, top_speed: float) -> tuple[list[Point
 
 
 def _sound(turn: SteadyTurn) -> bool:
-    return turn.stable and not turn.slides and not turn.lifted
+    return turn.stable and not turn.skids and not turn.lifted
 
 
 def _goes_on(point: Point, turn: SteadyTurn) -> bool:
-    return bool(point.tangent[0] > 0.0 and abs(point.place[1]) < SIDEWAYS) and not turn.lifted
+    return bool(point.tangent[0] > 0.0) and not turn.skids and not turn.lifted
 
 
 def _cause(point: Point, turn: SteadyTurn) -> Cause:
     if turn.lifted:
         return 'lift'
-    if turn.slides:
-        return 'sliding'
+    if turn.skids:
+        return 'skid'
     if turn.eigenvalues[0].imag != 0.0:
         return 'oscillation'
     return 'fold' if point.tangent[0] < FLAT else 'divergence'
+
+
+def _slide_speed(held: Turning, points: Sequence[Point], turns: Sequence[SteadyTurn]) -> float | None:
+    first = next((number for number, turn in enumerate(turns) if turn.slides), None)
+    if first is None:
+        return None
+    if first == 0:
+        return speed_of(points[0])
+    border = held.curve.border(points[first - 1], points[first], lambda point: not held.turn(point).slides)
+    return speed_of(border[0])
 
 
 def _grip_speed(held: Turning, points: Sequence[Point], turns: Sequence[SteadyTurn]) -> float | None:

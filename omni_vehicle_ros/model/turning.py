@@ -68,10 +68,14 @@ class SteadyTurn(NamedTuple):
 
     @property
     def slides(self) -> bool:
-        """Whether both tyres of an axle slide, or the vehicle skids sideways."""
+        """Whether both tyres of an axle slide, where more slip gives no more force; it may be stable all the same."""
         front_left, front_right, rear_left, rear_right = (place is Region.SLIDING for place in self.region)
-        skids = abs(self.twist.vy) >= SIDEWAYS * self.twist.vx
-        return skids or (front_left and front_right) or (rear_left and rear_right)
+        return (front_left and front_right) or (rear_left and rear_right)
+
+    @property
+    def skids(self) -> bool:
+        """Whether the vehicle moves sideways rather than forward, at a side slip of the body of 63 deg or more."""
+        return abs(self.twist.vy) >= SIDEWAYS * self.twist.vx
 
 
 class Turning(NamedTuple):

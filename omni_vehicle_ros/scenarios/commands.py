@@ -1,9 +1,11 @@
 """What the driver of a scenario says over time."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from omni_vehicle_ros.control.motion import MINIMUM_ICR_DISTANCE
 from omni_vehicle_ros.errors import ScenarioError
 from omni_vehicle_ros.scenarios.reading import read_mapping, read_number, read_numbers
 
@@ -104,6 +106,11 @@ def _read_icr(value: Any) -> tuple[float, float] | str:
             raise ScenarioError(f'icr: {value!r} must be [x, y] or straight')
         return STRAIGHT
     x, y = read_numbers('icr', value, 2)
+    if math.hypot(x, y) < MINIMUM_ICR_DISTANCE:
+        raise ScenarioError(
+            f'icr: [{x:g}, {y:g}] is nearer than {MINIMUM_ICR_DISTANCE:g} m to the centre of gravity, where a speed '
+            'says nothing about the turn; move it out, or command a spin in place with cmd_vel'
+        )
     return x, y
 
 

@@ -2,10 +2,11 @@
 
 import contextlib
 import sys
+from collections.abc import Collection
+from difflib import get_close_matches
 from pathlib import Path
 
 from omni_vehicle_ros.errors import ScenarioError
-from omni_vehicle_ros.parameters import did_you_mean
 
 PACKAGE = 'omni_vehicle_ros'
 _SUFFIXES = ('.yaml', '.yml')
@@ -75,6 +76,16 @@ def find_scenario(name_or_path: str) -> tuple[str, Path]:
         return path.stem, path
     if path.suffix in _SUFFIXES or path.exists():
         raise ScenarioError(f'{name_or_path}: no such file')
-    folders = [name for name in files if name.endswith(f'/{path.name}')]
-    allowed = f'; did you mean {folders[0]!r}?' if folders else did_you_mean(name_or_path, files)
-    raise ScenarioError(f'unknown scenario {name_or_path!r}{allowed}; or give the path of a YAML file')
+    near = _nearest(name_or_path, files)
+    allowed = f'did you mean {near!r}? Or' if near else f'allowed: {", ".join(files)}; or'
+    raise ScenarioError(f'unknown scenario {name_or_path!r}; {allowed} give the path of a YAML file')
+
+
+def _nearest(asked: str, names: Collection[str]) -> str | None:
+    """Return the name that is most like what was asked for: with its folder, or if none is, without."""
+    last = asked.rpartition('/')[2]
+    without = {name.rpartition('/')[2]: name for name in names}
+    if last in without:
+        return without[last]
+    close = get_close_matches(asked, names, n=1) or [without[word] for word in get_close_matches(last, without, n=1)]
+    return close[0] if close else None

@@ -48,6 +48,8 @@ def read_timeline(
 
 def read_mapping(value: Any) -> dict[str, Any]:
     """Return a copy of a mapping, or raise ScenarioError."""
+    if value is None:
+        raise ScenarioError('is empty; it must be a mapping (key: value)')
     if not isinstance(value, Mapping):
         raise ScenarioError(f'{value!r} must be a mapping (key: value)')
     return dict(value)

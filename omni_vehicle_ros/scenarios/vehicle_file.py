@@ -1,6 +1,6 @@
 """The vehicle alone, or its road, from whatever kind of YAML file says something about it."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -39,6 +39,7 @@ def load_vehicle(path: Path | None, overrides: Sequence[str] = ()) -> VehiclePar
         for override in overrides:
             name, value = read_override(override)
             values[name.removeprefix(f'{_SECTION}.')] = value
+        _without_road(values)
         return VehicleParameters.from_mapping(values)
     except OSError as error:
         raise ScenarioError(f'{path}: {error.strerror}') from None
@@ -98,7 +99,18 @@ def _vehicle(name: str, tree: Mapping[str, Any]) -> dict[str, Any]:
         return merged
     if 'duration' in tree:
         return make_scenario(name, tree, ()).vehicle.as_dict()
+    if _SECTION in tree:
+        _without_road(tree)
     return read_mapping(tree.get(_SECTION, tree))
+
+
+def _without_road(names: Iterable[str]) -> None:
+    for name in names:
+        if name in QUANTITIES:
+            option = 'give --friction, or ' if name == 'friction' else ''
+            raise ScenarioError(
+                f'{name} is no vehicle parameter but one of the road: {option}put it under plant:, beside vehicle:'
+            )
 
 
 def _blocks(tree: Mapping[str, Any]) -> Iterator[dict[str, Any]]:

@@ -90,6 +90,9 @@ def parse(text: str | bytes) -> Any:
     """
     try:
         return yaml.load(text, Loader=_Loader)
+    except (yaml.reader.ReaderError, UnicodeDecodeError) as error:
+        words = 'is not a text file; YAML is UTF-8' if isinstance(text, bytes) else ' '.join(str(error).split())
+        raise ScenarioError(words) from None
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f'line {mark.line + 1}, column {mark.column + 1}: ' if mark else ''

@@ -54,7 +54,9 @@ def draw_controllers(results: Results) -> Picture:
     """Draw all measures of all controllers on all manoeuvres."""
     table = controller_table(results)
     figure = Figure(figsize=(7.6, 6.4), layout='constrained')
-    grid = figure.subplots(len(_MEASURES), len(MANOEUVRES), sharey='row', squeeze=False)
+    # A legend of the figure would move to the edge of the saved picture, over the caption below the figure.
+    page = figure.add_subfigure(figure.add_gridspec()[0])
+    grid = page.subplots(len(_MEASURES), len(MANOEUVRES), sharey='row', squeeze=False)
     for column, manoeuvre in enumerate(MANOEUVRES):
         found = [results[Trial(manoeuvre, controller)] for controller in CONTROLLERS]
         grid[0, column].set_title(manoeuvre.name, loc='center')
@@ -62,7 +64,8 @@ def draw_controllers(results: Results) -> Picture:
             _bars(grid[row, column], [factor * getattr(judgement, field) for judgement in found])
             grid[row, 0].set_ylabel(name.replace('[deg', '[°').replace(' [', '\n['))
     handles = grid[0, 0].patches
-    figure.legend(handles, [controller.name for controller in CONTROLLERS], loc='outside lower center', ncol=4)
+    names = [controller.name for controller in CONTROLLERS]
+    page.legend(handles, names, loc='outside lower center', ncol=4)
     return Picture(figure, _controllers_sentence(results), table)
 
 

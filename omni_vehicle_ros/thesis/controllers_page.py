@@ -7,15 +7,17 @@ from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.thesis import controllers
 from omni_vehicle_ros.thesis.bounds import TRACTION, Bound, SlipBound, linear_bounds
 from omni_vehicle_ros.thesis.files import draw
+from omni_vehicle_ros.thesis.manoeuvres import CONTROLLERS, MANOEUVRES, Judgement, Trial
 from omni_vehicle_ros.thesis.pages import render
 from omni_vehicle_ros.thesis.tasks import Results, Task
 from omni_vehicle_ros.thesis.trade_off import RADIUS, SPEED
-from omni_vehicle_ros.thesis.words import NONE, degrees, number
+from omni_vehicle_ros.thesis.words import NONE, degrees, listed, number
 
 BOUNDS = tuple(SlipBound(RADIUS, SPEED, traction) for traction in TRACTION)
 TASKS: tuple[Task[Any], ...] = tuple(
     dict.fromkeys((*BOUNDS, *(task for figure in controllers.SECTION.figures for task in figure.needs)))
 )
+_EQUAL = 1e-3  # of a slip
 
 
 def write_controllers_page(results: Results, directory: Path) -> None:
@@ -45,8 +47,32 @@ def write_controllers_page(results: Results, directory: Path) -> None:
         steering=equal,
         every=sides,
         free=free,
+        gust=gust_words(results),
     )
     (directory / 'controllers.md').write_text(page, encoding='utf-8')
+
+
+def gust_words(results: Results) -> str:
+    """Return what the controllers make of the gust, in words."""
+    found = {controller.name: results[Trial(MANOEUVRES[-1], controller)] for controller in CONTROLLERS}
+    none, moment = found['none'], found['yaw moment']
+    steering, every = found['allocation, steering'], found['allocation, all']
+    wheel_slips = [found[name].worst_slip for name in found if name.startswith('wheel slip')]
+    change = 'larger' if min(wheel_slips) > none.worst_slip else 'not larger'
+    same = abs(every.worst_slip / steering.worst_slip - 1.0) < _EQUAL
+    return (
+        'In the gust less slip and the path are at odds. Without control the vehicle turns away from the wind, which '
+        f'relieves its tyres, and ends {_slip_and_path(none)}. Who keeps the path holds the wind: `allocation` by '
+        f'steering, {_slip_and_path(steering)}; `yaw_moment` by more traction on one side, {_slip_and_path(moment)}. '
+        'Traction serves `allocation` to level the slips of the axles in a turn; straight on there is none, and with '
+        f'it the worst slip is {"the same" if same else degrees(every.worst_slip)}. `wheel_slip` makes the worst slip '
+        f'{change}, {listed([degrees(slip) for slip in wheel_slips])}: front tyres that yield let the wind swing the '
+        'vehicle farther, and the rear tyres slip more.'
+    )
+
+
+def _slip_and_path(judgement: Judgement) -> str:
+    return f'{number(judgement.path_error)} m off the path with a worst slip of {degrees(judgement.worst_slip)}'
 
 
 def _cell(value: float | str) -> str:

@@ -5,12 +5,13 @@ The lateral force coefficient and the diagrams of the aerodynamic centre, Fig. 4
 
 import numpy as np
 
-from omni_vehicle_ros.analysis.signals import StepMetrics
+from omni_vehicle_ros.analysis.signals import BAND, WINDOW, StepMetrics
 from omni_vehicle_ros.thesis import sentences
 from omni_vehicle_ros.thesis.chart import SIDE_SLIP, Chart, Range, Span, around, compared, side_slips, steer_angles
 from omni_vehicle_ros.thesis.figure import Picture, ThesisFigure
 from omni_vehicle_ros.thesis.tasks import Recording, Results, Run, km_per_h, run
-from omni_vehicle_ros.thesis.words import degrees, listed, number, sentence
+from omni_vehicle_ros.thesis.words import degrees, listed, number, percent, sentence, wheel_words
+from omni_vehicle_ros.wheels import WHEELS
 
 BEGIN, END = 10.0, 12.0
 SHOWN: Range = (9.5, 14.0)
@@ -51,13 +52,28 @@ def _disturbed(name: str, caption: str, task: Run, words: str, note: str = '') -
         settled = (
             f'They settle at {sentences.each_wheel(steady)}. {sentences.response(steps)}'
             if None not in steady
-            else 'They do not all settle within 2 % before it ends.'
+            else _changing(recording, steps)
         )
         chart = side_slips(recording, (Span(BEGIN, END, words),), SHOWN)
         peaks = sentences.each_wheel([step.peak for step in steps])
         return chart.picture(f'The slips reach {peaks}. {settled}{note}')
 
     return ThesisFigure(name, caption, draw, (task,))
+
+
+def _changing(recording: Recording, steps: list[StepMetrics]) -> str:
+    """Say which slips have no steady state before the disturbance ends, and by how much they still change."""
+    slips = recording.side_slip[recording.rows(END - WINDOW, END)]
+    shares = np.ptp(slips, axis=0) / np.abs(np.mean(slips, axis=0))
+    words = [
+        f'{wheel_words(wheel)} by {percent(share, 3)}'
+        for wheel, share, step in zip(WHEELS, shares.tolist(), steps, strict=True)
+        if step.steady_state is None
+    ]
+    return (
+        f'Over the last {number(WINDOW)} s before it ends the slip still changes at {listed(words)}, more than the '
+        f'{percent(BAND)} of a steady state; the claims hold it longer.'
+    )
 
 
 def _bank(name: str, angle: float, speed: int) -> ThesisFigure:

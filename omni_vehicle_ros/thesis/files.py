@@ -61,4 +61,4 @@ def write_table(picture: Picture, path: Path) -> None:
 def _cell(value: float | str) -> str:
     if isinstance(value, str):
         return value
-    return '' if math.isnan(value) else f'{value:.7g}'
+    return '' if math.isnan(value) else f'{value + 0.0:.7g}'  # not -0

@@ -43,8 +43,8 @@ def _figure(number_: str, effect: str, speed: int, wheel: int) -> ThesisFigure:
             Line(f'with {effect}', np.degrees(one), COLOURS[0]),
             Line('without', np.degrees(other), COLOURS[1], dashed=True),
         )
-        lost = radii[np.isnan(one) & np.isnan(other)]
-        spans = (Span(radii[0], float(lost[-1]), NO_TURN),) if len(lost) else ()
+        first = radii[np.isfinite(one) | np.isfinite(other)][0]
+        spans = (Span(radii[0], float(first), NO_TURN),) if first > radii[0] else ()
         chart = Chart(lines, radii, SIDE_SLIP, RADIUS, spans=spans, difference=True)
         return chart.picture(_sentence(effect, one, other))
 

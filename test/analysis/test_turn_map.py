@@ -11,7 +11,7 @@ from omni_vehicle_ros.analysis.style import house_style
 from omni_vehicle_ros.analysis.turn_map import TurnMap, field, turn_map, worst_slip, write_tables
 from omni_vehicle_ros.errors import CommandError, ParameterError
 from omni_vehicle_ros.model.dynamics import Environment
-from omni_vehicle_ros.model.steady_turn import limit_speed, steady_turn
+from omni_vehicle_ros.model.steady_turn import limit_speed, steady_turn, steady_turns
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
@@ -81,7 +81,52 @@ def test_every_radius_has_its_limit(found, tmp_path):
         first = float(row['nonlinear_speed'])
         assert max(steady_turn(CAR, radius, first + 1e-3, SNOW).region) == 1
         assert max(steady_turn(CAR, radius, first - 4e-3, SNOW).region) == 0
-    assert [row['cause'] for row in limits] == ['fold', 'fold', 'fold', 'sliding', '']
+    assert [row['cause'] for row in limits] == ['fold', 'fold', 'fold', '', '']
+
+
+def test_where_both_tyres_of_an_axle_slide_nothing_is_lost(found, tmp_path):
+    write_tables(found, tmp_path)
+    row = read(tmp_path / 'limit.csv')[3]
+    slide = steady_turns(CAR, 10.0, SNOW).limit.slide_speed
+    assert float(row['axle_sliding_speed']) == pytest.approx(slide, abs=1e-4)
+    assert float(row['sliding_speed']) < slide < SPEEDS[-1]
+    last = next(row for row in read(tmp_path / 'map.csv') if (row['radius'], row['speed']) == ('10', '13'))
+    assert (last['slow_driving'], last['stable'], last['margin']) == ('true', 'true', '')
+    assert [last[f'region_{wheel}'] for wheel in WHEELS[:2]] == ['sliding', 'sliding']
+
+
+@pytest.fixture(scope='module')
+def swaying() -> TurnMap:
+    """A heavy vehicle with its load at the rear: it oscillates in turns near 9 m, from 8.6 m/s on, up to 13 or so."""
+    car = VehicleParameters(mass=1800.0, cg_to_front_axle=1.5, cg_to_rear_axle=1.2)
+    return turn_map(MapRequest('', car, Environment(), (8.0, 9.0, 10.0), (8.0, 10.0, 12.0, 15.0)))
+
+
+def test_slow_driving_leads_to_the_limit_and_not_beyond(swaying, tmp_path):
+    write_tables(swaying, tmp_path)
+    rows = read(tmp_path / 'map.csv')
+    assert [row['cause'] for row in read(tmp_path / 'limit.csv')] == ['', 'oscillation', 'fold']
+    for row in rows:
+        assert row['slow_driving'] == str(row['margin'] == '' or float(row['margin']) >= 0.0).lower()
+        assert row['slow_driving'] == 'false' or (row['exists'], row['stable']) == ('true', 'true')
+    flags = [(row['exists'], row['slow_driving'], row['stable']) for row in rows if row['radius'] == '9']
+    slow, unstable, again = ('true', 'true', 'true'), ('true', 'false', 'false'), ('true', 'false', 'true')
+    assert flags == [slow, unstable, unstable, again]
+
+
+def test_above_the_limit_nothing_looks_stable_that_is_not(swaying):
+    """The hatched band begins at the limit, of an unstable turn, too; the limit of a single radius is a mark."""
+    with house_style():
+        axes = draw_map(swaying).axes[0]
+    band = next(artist for artist in axes.collections if artist.get_hatch())
+    (path,) = band.get_paths()
+    limits = [steady_turns(swaying.request.vehicle, radius).limit.speed for radius in (9.0, 10.0)]
+    for radius, limit in zip((9.0, 10.0), limits, strict=True):
+        low = min(y for x, y in path.vertices if x == radius)
+        assert low == pytest.approx(limit, abs=1e-4)
+    line = next(line for line in axes.get_lines() if line.get_label() == 'limit speed: oscillation')
+    assert line.get_marker() != 'None'
+    assert [line.get_ydata()[i] for i in line.get_markevery()] == pytest.approx(limits[:1], abs=1e-4)
 
 
 def test_a_field_meets_the_turns_and_stays_as_it_was_beyond_the_last_one(found):
@@ -115,7 +160,7 @@ def test_the_picture_shows_limits_and_where_there_is_no_turn(found):
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     lost = 'no stable steady turn on the curves that slow driving begins'
     other = 'a stable one, but not the one that slow driving leads to'
-    assert {lost, other, 'limit speed: fold', 'limit speed: sliding', 'a tyre slides'} <= set(labels)
+    assert {lost, other, 'limit speed: fold', 'both tyres of an axle slide', 'a tyre slides'} <= set(labels)
     for axes in (left, right):
         limit = next(line for line in axes.get_lines() if line.get_label() == 'limit speed: fold')
         drawn = [speed for speed in limit.get_ydata() if math.isfinite(speed)]
@@ -163,7 +208,13 @@ def test_the_title_says_what_road_it_is(tmp_path):
 @pytest.mark.parametrize('text', ['2', '2:', ':', 'a:b', '1:2:3', '0:5', '5:2', '3:3', '-2:2', 'nan:2', '1:inf', ''])
 def test_what_is_no_range_is_refused(text):
     with pytest.raises(ParameterError, match='--radius'):
-        even_grid('--radius', text)
+        even_grid('--radius', text, 100.0, 'm')
+
+
+def test_a_range_ends_where_no_road_vehicle_goes():
+    assert even_grid('--speed', '1:100', 100.0, 'm/s')[-1] == 100.0
+    with pytest.raises(ParameterError, match=r'--speed: 100\.5 m/s is above 100 m/s'):
+        even_grid('--speed', '1:100.5', 100.0, 'm/s')
 
 
 def test_a_request_is_checked_before_anything_is_done():

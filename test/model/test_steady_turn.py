@@ -200,7 +200,7 @@ def test_the_mirror_image_of_a_turn_is_a_turn(vehicle, environment, radius, late
 def test_at_the_limit_the_steady_turn_vanishes(vehicle, radius, environment):
     """1e-4 m/s below the fold the plant comes to rest in the turn, 1e-4 m/s above it creeps past and spins."""
     branch = steady_turns(vehicle, radius, environment)
-    limit, cause, _ = branch.limit
+    limit, cause = branch.limit[:2]
     assert cause == 'fold'
     held, start = branch.turning, branch.turn(limit).twist
     below = branch.turn(limit - 1e-4)
@@ -251,7 +251,7 @@ def test_an_oversteering_vehicle_diverges_at_its_critical_speed():
 def test_a_vehicle_that_begins_to_oscillate():
     vehicle = VehicleParameters(cg_to_front_axle=1.3, cg_to_rear_axle=1.154)
     branch = steady_turns(vehicle, 50.0)
-    limit, cause, _ = branch.limit
+    limit, cause = branch.limit[:2]
     assert cause == 'oscillation'
     for share in (0.99, 1.01):
         turn = branch.turn(share * limit)
@@ -261,23 +261,56 @@ def test_a_vehicle_that_begins_to_oscillate():
 
 
 def test_past_the_largest_lateral_acceleration_the_vehicle_only_runs_wide(vehicle):
-    """R = 10 m: there is no fold, but from some speed on the front tyres give less, until all of them slide."""
+    """R = 10 m: nothing is lost, but from some speed on the front tyres give less, until both of them slide."""
     branch = steady_turns(vehicle, 10.0)
-    speed, cause, grip = branch.limit
-    assert cause == 'sliding'
-    assert not branch.turn(speed - 1e-3).slides
-    assert branch.turn(speed + 1e-3).slides
-    assert branch.turn(speed + 1e-3).stable
+    speed, cause, grip, slide = branch.limit
+    assert (speed, cause) == (None, None)
+    assert not branch.turn(slide - 1e-3).slides
+    assert branch.turn(slide + 1e-3).slides
+    assert branch.turn(slide + 1e-3).path_radius > branch.turn(slide - 1e-3).path_radius > 6.0 * 10.0
     best = branch.turn(grip).lateral_acceleration
     for other in (grip - 0.2, grip + 0.2):
         assert branch.turn(other).lateral_acceleration < best
     assert branch.turn(grip).path_radius > 1.5 * 10.0
 
 
+@pytest.mark.parametrize('radius', [9.0, 10.0])
+def test_a_turn_with_a_sliding_axle_is_come_to_by_speeding_up_and_is_stable(vehicle, radius):
+    """The plant speeds up by 0.5 m/s a step to past where both front tyres slide, and shakes off a push there."""
+    branch = steady_turns(vehicle, radius)
+    top = branch.limit.slide_speed + 1.0
+    state = started(branch.turn(0.5 * top).twist)
+    for speed in np.append(np.arange(0.5 * top, top, 0.5), top):
+        state[0] = speed
+        state = simulated(branch.turning, state, 4.0)
+    sliding = branch.turn(top)
+    assert sliding.slides
+    assert sliding.stable
+    state[1] += 0.1
+    end = simulated(branch.turning, state, 16.0 / sliding.decay_rate)  # leaves 1e-7 of the push
+    assert end[1:3] == pytest.approx(sliding.twist[1:], rel=1e-5)
+
+
+@settings(deadline=None, max_examples=20)
+@given(VEHICLES, ENVIRONMENTS, st.floats(1.2, 30.0), st.floats(0.0, 1.0))
+def test_up_to_its_limit_and_no_farther_a_turn_is_stable(vehicle, environment, radius, share):
+    branch = steady_turns(vehicle, radius, environment, 25.0)
+    limit, _, grip, slide = branch.limit
+    end = min(branch.end, 25.0) if limit is None else limit
+    assert all(mark is None or limit is None or mark <= limit for mark in (grip, slide))
+    if end > 0.2:
+        turn = branch.turn(0.1 + share * 0.999 * (end - 0.1))
+        assert turn.stable
+        assert not turn.lifted
+    if limit:
+        past = branch.turn(limit + 1e-3)
+        assert past is None or not past.stable or past.skids or past.lifted
+
+
 def test_a_tall_vehicle_lifts_a_wheel_first():
     vehicle = VehicleParameters(roll_arm=1.1, cornering_stiffness=6e4)
     branch = steady_turns(vehicle, 20.0)
-    speed, cause, _ = branch.limit
+    speed, cause = branch.limit[:2]
     assert cause == 'lift'
     loads = branch.turn(speed - 1e-3).vertical_load
     assert 0.0 < min(loads) < 1e-3 * sum(loads)
@@ -285,14 +318,14 @@ def test_a_tall_vehicle_lifts_a_wheel_first():
 
 def test_where_there_is_no_grip_there_is_no_turn(vehicle):
     ice = Environment(bank=0.3, friction=(0.1, 0.1, 0.1, 0.1))
-    assert limit_speed(vehicle, 10.0, ice) == (0.0, 'sliding', None)
+    assert limit_speed(vehicle, 10.0, ice) == (0.0, 'skid', None, None)
     assert steady_turn(vehicle, 10.0, 1.0, ice) is None
     assert limit_speed(vehicle, 10.0, ice).margin(1.0) == -math.inf
 
 
 def test_up_to_a_top_speed_nothing_may_happen(vehicle):
     limit = limit_speed(vehicle, 10.0, top_speed=8.0)
-    assert limit == (None, None, None)
+    assert limit == (None, None, None, None)
     assert limit.margin(5.0) is None
     assert steady_turns(vehicle, 10.0, top_speed=8.0).turn(9.0) is None
 

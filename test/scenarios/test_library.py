@@ -45,7 +45,9 @@ def test_a_name_comes_before_a_path_and_a_path_has_the_name_of_its_file(folder: 
     [
         ('tuor', "unknown scenario 'tuor'; did you mean 'tour'?"),
         ('alps/clmb', "unknown scenario 'alps/clmb'; did you mean 'alps/climb'?"),
-        ('ice', "unknown scenario 'ice'; did you mean 'alps/winter/ice'?"),
+        ('ice', "unknown scenario 'ice'; did you mean 'alps/winter/ice'? Or give the path of a YAML file"),
+        ('ici', "unknown scenario 'ici'; did you mean 'alps/winter/ice'?"),
+        ('desnect', "unknown scenario 'desnect'; did you mean 'alps/descent'?"),
         ('ice/climb', "unknown scenario 'ice/climb'; did you mean 'alps/climb'?"),
         ('zzz', "unknown scenario 'zzz'; allowed: tour, alps/climb,"),
         ('alps/climb.yaml', 'alps/climb.yaml: no such file'),

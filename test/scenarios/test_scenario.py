@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from omni_vehicle_ros.control.motion import MINIMUM_ICR_DISTANCE
 from omni_vehicle_ros.errors import ScenarioError
 from omni_vehicle_ros.scenarios import Scenario, library, load_scenario, scenario_directory, scenario_names
 from omni_vehicle_ros.scenarios.loading import build_scenario
@@ -80,7 +81,8 @@ def test_the_first_scenarios_are_there() -> None:
 
 COMMAND = 'duration: 1\ncommands: [{%s}]'
 BAD_FILES = [
-    ('', 'None must be a mapping'),
+    ('', 'is empty; it must be a mapping'),
+    ('duration: 1\nvehicle:', 'vehicle: is empty; it must be a mapping'),
     ('- a', 'must be a mapping'),
     ('duration: [', 'line 1'),
     ('commands: []', 'duration is missing'),
@@ -111,6 +113,10 @@ BAD_FILES = [
     (COMMAND % 'at: 0, icr: left, speed: 1', "icr: 'left' must be [x, y] or straight"),
     (COMMAND % 'at: 0, icr: [0], speed: 1', 'icr: [0] must be a list of 2 numbers'),
     (COMMAND % 'at: 0, icr: [0, .inf], speed: 1', 'icr[1]: inf is outside'),
+    (
+        COMMAND % 'at: 0, icr: [0, 0.006], speed: 1',
+        'commands[0]: icr: [0, 0.006] is nearer than 0.01 m to the centre of gravity',
+    ),
     (COMMAND % 'at: 0, icr: straight, speed: .nan', 'speed: nan is outside'),
     (COMMAND % 'at: 0, cmd_vel: [0, 0]', 'cmd_vel: [0, 0] must be a list of 3 numbers'),
     ('duration: 1\ncommands: [{at: 0, silent: true}, {at: 0, silent: true}]', 'commands[1]: at: 0 s must be later'),
@@ -178,8 +184,9 @@ def test_without_the_source_tree_the_share_folder_below_the_prefix_is_used(
 
 
 NUMBERS = st.floats(-1e6, 1e6)
+CENTRES = st.lists(NUMBERS, min_size=2, max_size=2).filter(lambda icr: math.hypot(*icr) >= MINIMUM_ICR_DISTANCE)
 ENTRIES = st.one_of(
-    st.fixed_dictionaries({'icr': st.just('straight') | st.lists(NUMBERS, min_size=2, max_size=2), 'speed': NUMBERS}),
+    st.fixed_dictionaries({'icr': st.just('straight') | CENTRES, 'speed': NUMBERS}),
     st.fixed_dictionaries({'icr': st.just('straight'), 'traction': NUMBERS, 'yaw_moment': NUMBERS}),
     st.fixed_dictionaries({'cmd_vel': st.lists(NUMBERS, min_size=3, max_size=3)}),
     st.just({'silent': True}),

@@ -63,6 +63,9 @@ def test_overrides_come_last(file):
     ('/**:\n  ros__parameters: 3', 'must be a mapping'),
     ('/**:\n  ros__parameters: {mass: 1.0}\nplant:\n  ros__parameters: {mass: 2.0}', 'mass is there twice'),
     ('sprung_mass: 1500.0', 'is more than mass'),
+    ('mass: 1500.0\nfriction: 0.5', 'give --friction, or put it under plant:'),
+    ('vehicle: {mass: 1500.0}\nfriction: 0.5', 'give --friction, or put it under plant:'),
+    ('vehicle: {wind: 2.0}', 'wind is no vehicle parameter but one of the road: put it under plant:'),
 ])
 def test_what_is_no_vehicle_is_refused_with_one_line(file, text, words):
     path = file(text)
@@ -83,6 +86,7 @@ def test_file_and_overrides_need_to_fit_together_only(file):
 @pytest.mark.parametrize(('override', 'words'), [
     ('mass', 'must be name=value'), ('mas=3', "did you mean 'mass'"), ('mass=heavy', 'must be a number'),
     ('mass=-3', 'outside'), ('mass=[', 'line 1'), ('sprung_mass=2000', 'is more than mass'),
+    ('friction=0.5', 'give --friction'),
 ])
 def test_a_wrong_override_is_refused(override, words):
     with pytest.raises(ScenarioError, match='default vehicle with') as refusal:

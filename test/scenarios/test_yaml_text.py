@@ -45,6 +45,12 @@ def test_what_is_malformed_is_said_in_one_line(text: str, problem: str) -> None:
     assert '\n' not in str(caught.value)
 
 
+@pytest.mark.parametrize('content', [b'\x00\x01mass: 1', b'mass: \xff\xfa', b'\x89PNG\r\n\x1a\n'])
+def test_a_file_that_is_no_text_is_called_that(content: bytes) -> None:
+    with pytest.raises(ScenarioError, match=r'^is not a text file'):
+        yaml_text.parse(content)
+
+
 CHARACTERS = st.characters(blacklist_categories=('Cs', 'Cc'), blacklist_characters='\u2028\u2029\ufeff\ufffe\uffff')
 NUMBERS = st.integers(-10**17, 10**17) | st.floats(allow_nan=False)
 SCALARS = st.none() | st.booleans() | NUMBERS | st.text(CHARACTERS, max_size=8)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from omni_vehicle_ros.thesis.claims import CLAIMS
-from omni_vehicle_ros.thesis.claims.claim import DEPENDS, NOT_REPRODUCED, REPRODUCED, Part, Verdict, fact
+from omni_vehicle_ros.thesis.claims.claim import DEPENDS, NOT_REPRODUCED, REPRODUCED, Fact, Part, Verdict, fact
 from omni_vehicle_ros.thesis.files import draw
 from omni_vehicle_ros.thesis.pages import Judged, claims_page, judge
 from omni_vehicle_ros.thesis.registry import FIGURES
@@ -38,9 +38,24 @@ def test_a_verdict_follows_from_the_parts(parts: list[tuple[bool, bool]]) -> Non
 
 
 def test_facts_in_words() -> None:
-    assert str(fact('slip', -1.2345, '°')) == 'slip \u22121.23°'
-    assert str(fact('speed', 0.0, 'm/s')) == 'speed 0\u00a0m/s'
-    assert str(fact('limit', None, 'km/h')) == 'limit \u2013\u00a0km/h'
+    assert str(fact('slip', -1.2345, '°')) == 'slip: \u22121.23°'
+    assert str(fact('speed', 0.0, 'm/s')) == 'speed: 0\u00a0m/s'
+    assert str(fact('limit', None, 'km/h', 'at 2 m')) == 'limit \u2013\u00a0km/h'
+
+
+def test_facts_of_a_group_share_a_line() -> None:
+    facts = (
+        fact('turns', 3.0),
+        Fact('slip', (1.0, 2.0), '°', 'front left'),
+        fact('share', 5.0, '%', 'front left'),
+        fact('slip', 4.0, '°', 'rear left'),
+        fact('centre', 0.7, 'm'),
+        fact('limit', 6.0, 'm/s'),
+    )
+    assert Verdict((), facts).figures == [
+        'turns: 3', 'front left: slip 1 → 2°, share 5\u00a0%', 'rear left: slip 4°', 'centre: 0.7\u00a0m',
+        'limit: 6\u00a0m/s',
+    ]  # fmt: skip
 
 
 def test_all_seventeen_claims_are_there() -> None:
@@ -82,7 +97,9 @@ def test_every_verdict_has_figures_and_says_why(judged: Judged) -> None:
     for claim, verdict in judged.claims:
         assert verdict.facts, claim.number
         assert all(value is not None and abs(value) < 1e6 for entry in verdict.facts for value in entry.values)
-        assert any(part.why for part in verdict.parts), claim.number
+        assert all(part.why for part in verdict.parts), claim.number
+        assert len(set(verdict.figures)) == len(verdict.figures), claim.number
+        assert max(map(len, verdict.figures)) < 160, claim.number
 
 
 @pytest.mark.slow

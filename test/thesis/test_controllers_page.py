@@ -45,6 +45,10 @@ def test_what_the_page_says_in_words(results: Results) -> None:
         found = judgements(results, manoeuvre)
         nearest = min(found, key=lambda name: found[name].path_error)
         assert nearest.startswith('allocation')
+    gust = judgements(results, 3)
+    assert gust['allocation, all'].worst_slip == pytest.approx(gust['allocation, steering'].worst_slip, rel=1e-3)
+    assert gust['wheel slip (5,5,0,0)'].worst_slip > gust['none'].worst_slip < gust['wheel slip (5,1,0,0)'].worst_slip
+    assert gust['yaw moment'].worst_slip < gust['allocation, steering'].worst_slip
     for manoeuvre in (1, 2):
         found = judgements(results, manoeuvre)
         assert max(found, key=lambda name: found[name].worst_slip).startswith('allocation')

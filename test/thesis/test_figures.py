@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
 from omni_vehicle_ros.analysis.style import house_style
@@ -17,7 +18,7 @@ from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.thesis.bounds import Bound
 from omni_vehicle_ros.thesis.chart import Chart, Line
 from omni_vehicle_ros.thesis.figure import Picture, ThesisFigure
-from omni_vehicle_ros.thesis.files import draw
+from omni_vehicle_ros.thesis.files import draw, write_table
 from omni_vehicle_ros.thesis.manoeuvres import CONTROLLERS, Judgement, Trial
 from omni_vehicle_ros.thesis.registry import CHAPTERS, FIGURES, SECTIONS, chosen
 from omni_vehicle_ros.thesis.tasks import Results, Run
@@ -103,6 +104,37 @@ def test_a_chart_draws_every_line_and_their_difference() -> None:
     assert [entry.get_label() for entry in upper.lines] == ['a', 'b']
     assert_allclose(lower.lines[0].get_ydata(), 2.0 * x)
     assert lower.get_ylabel() == 'difference [°]'
+
+
+def test_no_number_of_a_table_is_minus_zero(tmp_path: Path) -> None:
+    write_table(Picture(Figure(), 'seen', {'slip [deg]': np.array([-0.0, 0.0, -1e-3, math.nan])}), tmp_path / 'x.csv')
+    assert (tmp_path / 'x.csv').read_text(encoding='utf-8').splitlines() == ['slip [deg]', '0', '0', '-0.001', '""']
+
+
+def test_the_caption_of_the_controllers_stands_alone(tmp_path: Path) -> None:
+    """It is below everything else in the saved picture, the legend with its two rows included."""
+    figure = FIGURES['controllers']
+    draw(figure, Results(dict.fromkeys(figure.needs, Judgement(0.05, 0.04, 1.0, 5.5, 0.1, 0.6))), tmp_path)
+    root = ElementTree.parse(tmp_path / 'controllers.svg').getroot()
+    heights = {}
+    for text in root.iter('{http://www.w3.org/2000/svg}text'):
+        place = text.get('y') or re.findall(r'[-\d.]+', text.get('transform') or '')[1]
+        heights[''.join(text.itertext()).strip()] = float(place)
+    below = heights.pop(figure.caption) - max(heights.values())
+    assert CONTROLLERS[1].name in heights
+    assert below > 9.0  # points: more than a line of its type
+
+
+def test_a_slip_that_has_not_settled_is_said_to_change() -> None:
+    """At 80 km/h the rear tyres still change by a little more than 2 % before the bank ends, the front ones don't."""
+    figure = FIGURES['4.21']
+    (task,) = figure.needs
+    with house_style():
+        words = figure.draw(Results({task: task.work()})).sentence
+    _, changing = words.split('still changes at ')
+    shares = dict(re.findall(r'(\w+ \w+) by ([\d.]+)', changing.replace('and ', '')))
+    assert sorted(shares) == ['rear left', 'rear right']
+    assert all(2.0 < float(share) < 2.1 for share in shares.values())
 
 
 def test_the_data_of_the_trade_off_hold_all_that_is_drawn() -> None:

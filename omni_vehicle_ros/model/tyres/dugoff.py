@@ -13,7 +13,9 @@ FULL_STRETCH = 2.0  # slip, in units of grip over stiffness, at 7/8 of the grip:
 def grip(capacity: float, v_lat: float, adhesion_reduction: float) -> float:
     """Return what the road still gives a tyre that slides sideways [N], never below 0 (thesis eq. B.2).
 
-    The bracket 1 - eps_r v abs(tan alpha) is written as 1 - eps_r abs(v_lat), finite at every slip angle.
+    The bracket 1 - eps_r v abs(tan alpha) is written as 1 - eps_r abs(v_lat), finite at every slip angle. So v is
+    the speed of the contact along the heading of its own wheel, not the forward speed vx of the body, as one may
+    read the thesis: of a wheel that is turned it is another one.
 
     Parameters
     ----------

@@ -3,8 +3,10 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any, NamedTuple
 
+from omni_vehicle_ros.analysis.signals import StepMetrics
 from omni_vehicle_ros.thesis.tasks import Results, Task
 from omni_vehicle_ros.thesis.words import HARD_SPACE, listed, number
 
@@ -19,23 +21,26 @@ _NOTHING = 0.05  # percent
 class Fact(NamedTuple):
     """Figures that were computed: what they are, the values, and the unit.
 
-    Two values are those before and after; a value is None where there is none.
+    Two values are those before and after; a value is None where there is none. ``group`` says what figures that
+    follow each other are about together.
     """
 
     name: str
     values: tuple[float | None, ...]
     unit: str = ''
+    group: str = ''
 
     def __str__(self) -> str:
         """Return it in words."""
         unit = self.unit if self.unit in ('', '°') else f'{HARD_SPACE}{self.unit}'
         between = ' → ' if len(self.values) == _CHANGE else ', '
-        return f'{self.name} {between.join(map(number, self.values))}{unit}'
+        values = between.join(map(number, self.values))
+        return f'{self.name}{" " if self.group else ": "}{values}{unit}'
 
 
-def fact(name: str, value: float | None, unit: str = '') -> Fact:
+def fact(name: str, value: float | None, unit: str = '', group: str = '') -> Fact:
     """Return a figure."""
-    return Fact(name, (value,), unit)
+    return Fact(name, (value,), unit, group)
 
 
 class Part(NamedTuple):
@@ -77,6 +82,12 @@ class Verdict(NamedTuple):
         said = all(part.holds for part in self.parts if not part.reading)
         return DEPENDS if said and any(part.holds for part in self.parts) else NOT_REPRODUCED
 
+    @property
+    def figures(self) -> list[str]:
+        """The facts in words: a line each, those of a group in one."""
+        groups = [(group, list(map(str, facts))) for group, facts in groupby(self.facts, lambda entry: entry.group)]
+        return [line for group, words in groups for line in ([f'{group}: {", ".join(words)}'] if group else words)]
+
     def __str__(self) -> str:
         """Return the verdict in words, with what it hangs on."""
         good, bad = ([part.words for part in self.parts if part.holds is holds] for holds in (True, False))
@@ -107,6 +118,16 @@ class Claim:
     where: str
     needs: tuple[Task[Any], ...]
     judge: Callable[[Results], Verdict]
+
+
+def response_facts(group: str, one: StepMetrics, other: StepMetrics) -> list[Fact]:
+    """Return the figures of two responses, beside each other."""
+    pair = one, other
+    return [
+        Fact('slip', tuple(degrees_of(step.steady_state) for step in pair), '°', group),
+        Fact('overshoot', tuple(percent_of(step.overshoot) for step in pair), '%', group),
+        Fact('settling time', tuple(step.settling_time for step in pair), 's', group),
+    ]
 
 
 def verdict(parts: list[Part], facts: list[Fact]) -> Verdict:

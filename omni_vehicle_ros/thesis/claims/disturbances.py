@@ -16,14 +16,15 @@ from omni_vehicle_ros.thesis.claims.claim import (
     Fact,
     Part,
     Verdict,
-    degrees_of,
     fact,
     kilometres_per_hour,
-    percent_of,
+    response_facts,
     verdict,
 )
 from omni_vehicle_ros.thesis.disturbances import (
+    BEGIN,
     CENTRES,
+    END,
     FAST,
     FRICTION_RADIUS,
     FRICTION_SPEED,
@@ -38,7 +39,9 @@ from omni_vehicle_ros.thesis.words import number, percent
 BANK, SIMILAR, EQUAL = 0.01, 0.2, 0.02
 """Bank [rad]; by how much similar and equal values may differ."""
 
-_HELD = 6.0  # s, long enough for every response
+HELD = 6.0
+"""How long bank and wind act for the claims [s]: long enough for every response."""
+
 _LINEAR_SPEED = 10  # km/h
 _CONSTANT_CY: dict[str, Any] = {
     'vehicle.airflow_angles': [0.01, 0.3455],
@@ -50,13 +53,13 @@ Steps = list[StepMetrics]
 
 def held_bank(angle: float, speed: int) -> Run:
     """Return a run over a bank [rad] that begins at once and does not end, at a speed [km/h]."""
-    return run('bank', bank=angle, speed=km_per_h(speed), duration=_HELD, **{'plant.bank': angle})
+    return run('bank', bank=angle, speed=km_per_h(speed), duration=HELD, **{'plant.bank': angle})
 
 
 def held_wind(speed: int, centre: float = 0.0, **settings: Any) -> Run:
     """Return a run in a wind that begins at once and does not end, at a speed [km/h]; its aerodynamic centre [m]."""
     held = {'plant.wind': WIND, **settings}
-    return run('wind', wind=WIND, speed=km_per_h(speed), aerodynamic_centre=centre, duration=_HELD, **held)
+    return run('wind', wind=WIND, speed=km_per_h(speed), aerodynamic_centre=centre, duration=HELD, **held)
 
 
 def _steps(results: Results, task: Run) -> Steps:
@@ -78,16 +81,13 @@ def _near(values: Iterable[float], aim: float, tolerance: float) -> bool:
 
 def _response_facts(words: str, one: Steps, other: Steps) -> list[Fact]:
     """Return the figures of two responses, of the left tyres."""
-    facts = []
-    for name, wheel in (('front left', 0), ('rear left', 2)):
-        pair = one[wheel], other[wheel]
-        facts += [
-            Fact(f'{words}{name}: slip', tuple(degrees_of(step.steady_state) for step in pair), '°'),
-            Fact('overshoot', tuple(percent_of(step.overshoot) for step in pair), '%'),
-            Fact('settling time', tuple(step.settling_time for step in pair), 's'),
-        ]
-        words = ''
-    return facts
+    left = ('front left', 0), ('rear left', 2)
+    return [entry for name, i in left for entry in response_facts(f'{name} {words}', one[i], other[i])]
+
+
+def _held_fact(what: str) -> Fact:
+    """Return how long a disturbance acts, which is longer than in the figures: there not every slip settles."""
+    return fact(f'the {what} is held for (in the figures {number(END - BEGIN)} s)', HELD, 's')
 
 
 def _bank(results: Results) -> Verdict:
@@ -118,8 +118,8 @@ def _bank(results: Results) -> Verdict:
             'At slips of a tenth of a degree everything is linear.',
         ),
     ]
-    facts = _response_facts(f'at {SLOW} and {FAST} km/h: ', slow, fast)
-    return verdict(parts, [*facts, fact('slip by twice the bank over slip', twice[0][0])])
+    facts = [_held_fact('bank'), *_response_facts(f'at {SLOW} and {FAST} km/h', slow, fast)]
+    return verdict(parts, [*facts, fact('slip on twice the bank, as a multiple of that on the bank', twice[0][0])])
 
 
 def _share_in_words(results: Results, share: float) -> str:
@@ -170,17 +170,23 @@ def _wind(results: Results) -> Verdict:
         *(
             Part(f'the aerodynamic centre at {speed} km/h', middle < ahead and behind < middle, why, reading=True)
             for (speed, (middle, ahead, behind)), why in zip(
-                centres.items(), ('', _centre_in_words(results)), strict=True
+                centres.items(), (_FRONT_LOADED, _centre_in_words(results)), strict=True
             )
         ),
     ]
-    facts = _response_facts(f'at {SLOW} and {FAST} km/h: ', slow, fast)
+    facts = [_held_fact('wind'), *_response_facts(f'at {SLOW} and {FAST} km/h', slow, fast)]
     shown = ', '.join(number(CENTRES[i]) for i in (2, 0, 1))
     facts += [
-        Fact(f'front left at {speed} km/h, lw {shown} m', tuple(map(math.degrees, (behind, middle, ahead))), '°')
+        Fact(f'front left at {speed} km/h with lw = {shown} m', tuple(map(math.degrees, (behind, middle, ahead))), '°')
         for speed, (middle, ahead, behind) in centres.items()
     ]
     return verdict(parts, facts)
+
+
+_FRONT_LOADED = (
+    'A wind that acts farther ahead takes more force from the front tyres, one that acts farther behind less: their '
+    'moments about the centre of gravity balance.'
+)
 
 
 def _centre_in_words(results: Results) -> str:
@@ -193,9 +199,9 @@ def _centre_in_words(results: Results) -> str:
 
     turning = brentq(gain, km_per_h(SLOW), km_per_h(FAST))
     return (
-        'A wind that acts farther ahead takes more force from the front tyres, but it also turns the vehicle away '
-        f'from the wind, and the turn relieves all of them. From {number(kilometres_per_hour(turning))} km/h on the '
-        'second is more: there lw > 0 makes the front left slip smaller.'
+        'That wind also turns the vehicle away from it, the more the faster it drives, and the turn relieves all '
+        f'tyres. From {number(kilometres_per_hour(turning))} km/h on this is more: there lw > 0 makes the front left '
+        'slip smaller.'
     )
 
 
@@ -216,10 +222,18 @@ def _friction(results: Results) -> Verdict:
         f'their linear region: at {_LINEAR_SPEED} km/h the slips differ by '
         f'{number(math.degrees(slow[1] - slow[0]))}°.'
     )
-    figures = (('slip', 'steady_state'), ('overshoot', 'overshoot'), ('settling time', 'settling_time'))
-    parts = [Part(words, _larger(dry, snow, figure), why if words == 'slip' else '') for words, figure in figures]
+    parts = [
+        Part('slip', _larger(dry, snow, 'steady_state'), why),
+        Part(
+            'overshoot',
+            _larger(dry, snow, 'overshoot'),
+            'Where the curve of a tyre is bent, more slip gives less force than before: lateral speed and yaw rate are '
+            'damped less.',
+        ),
+        Part('settling time', _larger(dry, snow, 'settling_time'), 'For the same reason.'),
+    ]
     roads = ' and '.join(map(number, FRICTIONS))
-    return verdict(parts, _response_facts(f'friction {roads} at {FRICTION_SPEED} km/h: ', dry, snow))
+    return verdict(parts, _response_facts(f'on friction {roads} at {FRICTION_SPEED} km/h', dry, snow))
 
 
 CLAIMS = (

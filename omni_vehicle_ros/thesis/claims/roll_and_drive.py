@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from omni_vehicle_ros.analysis.signals import Array
-from omni_vehicle_ros.thesis.claims.claim import Claim, Fact, Part, Verdict, verdict
+from omni_vehicle_ros.thesis.claims.claim import Claim, Fact, Part, Verdict, fact, verdict
 from omni_vehicle_ros.thesis.drive import FOUR, FRONT, REAR, TURN, driven, end
 from omni_vehicle_ros.thesis.roll import LOAD_TRANSFER, ROLL_STEER, SPEEDS, tasks, with_and_without
 from omni_vehicle_ros.thesis.slip_maps import RADII
@@ -88,7 +88,8 @@ def _roll(results: Results) -> Verdict:
 def _change_facts(effect: str, found: list[_Change]) -> list[Fact]:
     facts = []
     for speed, change in zip(SPEEDS, found, strict=True):
-        words = f'{effect} at {speed} km/h, largest change from {number(change.tight_radius)} to {number(RADII[-1])} m'
+        radii = f'{number(change.tight_radius)} and {number(RADII[-1])} m'
+        words = f'largest change by {effect} at {speed} km/h, in turns of {radii}'
         facts.append(Fact(words, (math.degrees(_largest(change.tight)), math.degrees(_largest(change.wide))), '°'))
     return facts
 
@@ -115,10 +116,16 @@ def _driven_wheels(results: Results) -> Verdict:
             reading=True,
         ),
     ]
-    drives = f'four, front and rear wheels with 500 N each, four with {number(_HALF)} N'
+    drives = (
+        *(f'{wheels} with 500 N each' for wheels in ('four wheels', 'front wheels', 'rear wheels')),
+        f'four wheels with {number(_HALF)} N each',
+    )
     facts = [
-        Fact(f'{drives}: speed after the traction', tuple(speeds), 'm/s'),
-        Fact('front left slip', tuple(slips), '°'),
+        entry
+        for drive, speed, slip in zip(drives, speeds, slips, strict=True)
+        for entry in (
+            fact('speed after the traction', speed, 'm/s', drive), fact('front left slip', slip, '°', drive)
+        )
     ]
     return verdict(parts, facts)
 

@@ -15,6 +15,7 @@ SIMILAR, CLOSE = 0.2, 0.05
 """By what share slips and paths may differ that are similar, and those that are close."""
 
 _FORMS = ('solved exactly', 'with real actuators')
+_COMPARED = 'without and with control'
 _NOTHING = 1e-3  # of the steady slip: an overshoot that is none
 
 Pair = tuple[Recording, Recording]
@@ -91,17 +92,16 @@ def _facts(pairs: tuple[Pair, Pair], wheels: tuple[int, ...]) -> list[Fact]:
     facts = []
     for wheel, name in enumerate(map(wheel_words, WHEELS)):
         slips = tuple(math.degrees(_value(found, wheel, 'steady_state')) for found in pairs[0])
-        facts.append(Fact(f'{"" if wheel else "without and with control: slip "}{name}', slips, '°'))
+        facts.append(Fact(name, slips, '°', f'slip {_COMPARED}'))
     for form, pair in zip(_FORMS, pairs, strict=True):
-        words = f'{form}: '
         for wheel in wheels:
+            group = f'{wheel_words(WHEELS[wheel])} {_COMPARED}, {form}'
             shares = tuple(percent_of(_value(found, wheel, 'overshoot')) for found in pair)
             times = tuple(_value(found, wheel, 'settling_time') for found in pair)
-            facts.append(Fact(f'{words}{wheel_words(WHEELS[wheel])} overshoot', shares, '%'))
-            facts.append(Fact('settling time', times, 's'))
-            words = ''
-        facts.append(Fact('path radius', tuple(map(_radius, pair)), 'm'))
-        facts.append(fact('farthest from the path without control', _from_path(pair), 'm'))
+            facts += [Fact('overshoot', shares, '%', group), Fact('settling time', times, 's', group)]
+        group = f'path {_COMPARED}, {form}'
+        facts.append(Fact('radius', tuple(map(_radius, pair)), 'm', group))
+        facts.append(fact('farthest from that without', _from_path(pair), 'm', group))
     return facts
 
 
@@ -160,11 +160,15 @@ def _second_gains(results: Results) -> Verdict:
             'The front right tyre takes over what the front left one gives up: its slip '
             f'becomes {_growths(pairs, FRONT_RIGHT)}, that of rear right {_growths(pairs, REAR_RIGHT)}.',
         ),
-        Part('a path closer than with (5, 5, 0, 0)', abs(change) < abs(first), ''),
+        Part(
+            'a path closer than with (5, 5, 0, 0)',
+            abs(change) < abs(first),
+            f'It is wider by {percent(change)}, in place of {percent(first)}: front right is steered back less.',
+        ),
         Part(
             f'a path quite close to that without control (within {percent(CLOSE)} of its radius)',
             abs(change) <= CLOSE,
-            f'It is wider by {percent(change)}, after {percent(first)} with (5, 5, 0, 0).',
+            f'{percent(change)} is more than that.',
         ),
     ]
     return verdict(parts, _facts(pairs, wheels))

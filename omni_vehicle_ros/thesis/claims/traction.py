@@ -28,6 +28,7 @@ from omni_vehicle_ros.thesis.words import listed, number, percent, wheel_words
 from omni_vehicle_ros.wheels import WHEELS
 
 FORCE, CLAIMED_SPEED = 500.0, 3.1
+_LARGEST = 'largest change of the front left slip'
 PULLED = PulledTurn(with_circle(TRACTION), TURN_RADIUS, 2.8, (-FORCE, 0.0, FORCE))
 """Force of each wheel [N], the speed after it [m/s], and the turn at about the speed at which traction begins."""
 
@@ -94,18 +95,15 @@ def _slip_by_traction(results: Results) -> Verdict:
 
 def _change_facts(recording: Recording) -> list[Fact]:
     changes = [tuple(map(math.degrees, pair)) for pair in _change(recording)]
-    at = f'from {number(ACTING)} to {number(FREE)} s: '
-    return [
-        Fact(f'{"" if i else at}{wheel_words(wheel)}', change, '°')
-        for i, (wheel, change) in enumerate(zip(WHEELS, changes, strict=True))
-    ]
+    at = f'at {number(ACTING)} and {number(FREE)} s'
+    return [Fact(wheel_words(wheel), change, '°', at) for wheel, change in zip(WHEELS, changes, strict=True)]
 
 
 def _pulled_facts(results: Results, row: int) -> list[Fact]:
     found, force = np.degrees(results[PULLED]), PULLED.forces[row]
-    at = f'at {number(PULLED.speed)} m/s without and with {number(force)} N: '
+    at = f'at {number(PULLED.speed)} m/s without and with {number(force)} N'
     return [
-        Fact(f'{"" if i else at}{wheel_words(wheel)}', (float(found[1, i]), float(found[row, i])), '°')
+        Fact(wheel_words(wheel), (float(found[1, i]), float(found[row, i])), '°', at)
         for i, wheel in enumerate(WHEELS)
     ]
 
@@ -114,19 +112,26 @@ def _friction_circle(results: Results) -> Verdict:
     (pulled, afterwards), (braked, _) = (_circle(results, name) for name in (TRACTION, BRAKE))
     parts = [
         Part(
-            'traction',
+            'the largest change while traction acts',
             pulled.slip > 0.0,
             'Traction takes capacity from the tyre, but a tyre in its linear region does not feel its capacity: '
-            f'nothing changes until {number(pulled.begin)} s. At most it is {percent(pulled.share)} of the slip. '
-            f'{_afterwards(results, afterwards)}',
+            f'nothing changes until {number(pulled.begin)} s. At most it is {percent(pulled.share)} of the slip.',
+            reading=True,
         ),
-        Part('brake', braked.slip > 0.0, f'Here it is {percent(braked.share)}, before the vehicle has become slow.'),
+        Part(
+            'the largest change while a brake acts',
+            braked.slip > 0.0,
+            f'Here it is {percent(braked.share)}, before the vehicle has become slow.',
+            reading=True,
+        ),
+        Part('the time after the traction', afterwards.slip > 0.0, _afterwards(results, afterwards), reading=True),
     ]
     facts = [
-        fact('front left, largest change by traction', math.degrees(pulled.slip), '°'),
-        fact(f'from {number(FREE + SETTLED)} s on', math.degrees(afterwards.slip), '°'),
-        fact('by brake', math.degrees(braked.slip), '°'),
+        fact(f'by {name} from {number(ACTING)} to {number(FREE)} s', math.degrees(change.slip), '°', _LARGEST)
+        for name, change in (('traction', pulled), ('a brake', braked))
     ]
+    later = f'after the traction from {number(FREE + SETTLED)} s on'
+    facts.append(fact(later, math.degrees(afterwards.slip), '°', _LARGEST))
     return verdict(parts, facts)
 
 

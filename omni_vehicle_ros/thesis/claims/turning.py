@@ -11,10 +11,9 @@ from omni_vehicle_ros.thesis.claims.claim import (
     Fact,
     Part,
     Verdict,
-    degrees_of,
     fact,
     kilometres_per_hour,
-    percent_of,
+    response_facts,
     verdict,
 )
 from omni_vehicle_ros.thesis.simple_turning import LIMIT, LOSS_RADII, TURN_SPEEDS, loss, ratios, turn
@@ -68,17 +67,12 @@ def _undershoot(recording: Recording) -> float:
 
 
 def _turn_facts(slow: Recording, fast: Recording) -> list[Fact]:
-    at = f'at {TURN_SPEEDS[0]} and {TURN_SPEEDS[1]} km/h: '
-    facts = []
-    for i, wheel in enumerate(WHEELS):
-        steps = slow.step(i), fast.step(i)
-        facts += [
-            Fact(f'{at}{wheel_words(wheel)}: slip', tuple(degrees_of(step.steady_state) for step in steps), '°'),
-            Fact('overshoot', tuple(percent_of(step.overshoot) for step in steps), '%'),
-            Fact('settling time', tuple(step.settling_time for step in steps), 's'),
-        ]
-        at = ''
-    return facts
+    at = f'at {TURN_SPEEDS[0]} and {TURN_SPEEDS[1]} km/h'
+    return [
+        entry
+        for i, wheel in enumerate(WHEELS)
+        for entry in response_facts(f'{wheel_words(wheel)} {at}', slow.step(i), fast.step(i))
+    ]
 
 
 def _worst(slips: Array) -> npt.NDArray[np.intp]:
@@ -123,11 +117,11 @@ def _front_left_is_worst(results: Results) -> Verdict:
         ),
     ]
     facts = [
-        fact('steady left turns looked at', float(len(wide))),
-        fact('of them with front left worst', float(np.sum(wide == 0))),
+        fact('looked at', float(len(wide)), group='steady left turns'),
+        fact('with front left worst', float(np.sum(wide == 0)), group='steady left turns'),
         fact('another wheel is the worst up to a radius of', last, 'm'),
-        fact(f'at 2 m just after the step: {_name(step)}', abs(math.degrees(float(first[step]))), '°'),
-        fact('front left', abs(math.degrees(float(first[0]))), '°'),
+        fact(_name(step), abs(math.degrees(float(first[step]))), '°', 'at 2 m just after the step'),
+        fact('front left', abs(math.degrees(float(first[0]))), '°', 'at 2 m just after the step'),
     ]
     return verdict(parts, facts)
 
@@ -216,8 +210,7 @@ def _speed_loss(results: Results) -> Verdict:
         Part('initial speed', bool(np.all(np.diff(shares, axis=1) < 0.0)), 'A faster one takes a larger force.'),
     ]
     facts = [
-        fact('share of 6.2 m/s left after 10 s at 5 m', 100.0 * kept[0], '%'),
-        fact('at 10 m', 100.0 * kept[1], '%'),
+        Fact('share of 6.2 m/s left after 10 s at 5 and 10 m', (100.0 * kept[0], 100.0 * kept[1]), '%'),
         fact('points of the map', float(shares.size)),
     ]
     return verdict(parts, facts)
