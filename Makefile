@@ -22,8 +22,9 @@ setup: $(SETUP)  ## Install everything into .venv (the other targets do it, too)
 demo: $(SETUP)  ## Drive the demo scenario over Fast DDS; ends with its bag and report below runs/.
 	@$(BIN)/omni_vehicle run demo --out runs/demo-$$(date +%Y%m%d-%H%M%S)
 
-test: $(SETUP)  ## Run all tests.
-	@$(BIN)/python -m pytest
+test: $(SETUP)  ## Run all tests: what starts no nodes in two processes, then the graphs one after the other.
+	@$(BIN)/python -m pytest -m 'not graph' --numprocesses 2 --dist loadfile
+	@$(BIN)/python -m pytest -m graph
 
 lint: $(SETUP)  ## Check style and types.
 	@$(BIN)/ruff check .
