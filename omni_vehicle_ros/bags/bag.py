@@ -1,18 +1,27 @@
 """A bag as columns: ``open_bag(path)['odom'].x``."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from omni_vehicle_ros.bags.columns import Columns, make_columns
-from omni_vehicle_ros.bags.mcap_stream import RecordedMessage, read_messages
+from omni_vehicle_ros.bags.blocks import BlockReader, check_type
+from omni_vehicle_ros.bags.columns import Columns, join_columns, make_columns
+from omni_vehicle_ros.bags.mcap_stream import read_messages
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.interface import TOPICS, resolve
-from omni_vehicle_ros.messages import VALUE_TYPES, MessageError, decode
+from omni_vehicle_ros.messages import VALUE_TYPES, MessageError
 from omni_vehicle_ros.parameters import did_you_mean
 
 VEHICLE_TOPIC = 'joint_states'
 """The topic that every vehicle has, by which its namespace is found."""
+
+AT_ONCE = 1_000_000
+"""Messages of a bag up to which the columns of all its topics, some 200 MB, are made when one is asked for: to read
+the file for each topic by itself would take longer."""
+
+Source = Callable[[Collection[str]], Mapping[str, Columns | MessageError]]
+"""Gives the columns of topics that have messages, by full names, or why they can't be decoded."""
 
 GLOBAL_TOPICS = frozenset(row.name for row in TOPICS if row.name.startswith('/'))
 
@@ -25,7 +34,7 @@ class TopicInfo(NamedTuple):
 
 
 class Bag:
-    """The messages of a bag, by topic; columns are made when they are asked for.
+    """The messages of a bag, by topic; columns are read when they are asked for, and kept.
 
     Topic names are relative to the vehicle's namespace, as in the wiring table, or begin with ``/``.
 
@@ -35,8 +44,10 @@ class Bag:
         What was opened, for error messages.
     types
         The type of every topic, by its full name.
-    messages
-        In the order of recording.
+    counts
+        How many messages there are, by full name and type.
+    source
+        Where the columns come from.
     damage
         Why they aren't all, if so.
     namespace
@@ -58,24 +69,24 @@ class Bag:
         self,
         path: Path,
         types: Mapping[str, str],
-        messages: Iterable[RecordedMessage],
+        counts: Mapping[tuple[str, str], int],
+        source: Source,
         damage: tuple[str, ...] = (),
         namespace: str | None = None,
     ) -> None:
-        by_topic: dict[str, list[RecordedMessage]] = {}
-        for message in messages:
-            by_topic.setdefault(message.topic, []).append(message)
         self.path = path
         self.damage = damage
         if namespace is None:
             namespace = _detect_namespace(path, list(types))
         self.namespace = f'/{namespace.strip("/")}'.rstrip('/')
         self.topics = {
-            self._short(topic): TopicInfo(type_name, len(by_topic.get(topic, ())))
+            self._short(topic): TopicInfo(type_name, sum(counts[key] for key in counts if key[0] == topic))
             for topic, type_name in sorted(types.items())
         }
-        self._messages = {self._short(topic): found for topic, found in by_topic.items()}
-        self._columns: dict[str, Columns] = {}
+        self._full = {self._short(topic): topic for topic in types}
+        self._met = {key for key, count in counts.items() if count}
+        self._source = source
+        self._columns: dict[str, Columns | MessageError] = {}
 
     @property
     def complete(self) -> bool:
@@ -101,27 +112,33 @@ class Bag:
         name = self._short(topic)
         if name not in self.topics:
             raise BagError(f'{self.path} has no topic {topic!r}{did_you_mean(topic, list(self.topics))}')
+        self._check(name)
         if name not in self._columns:
-            self._columns[name] = self._read(name)
-        return self._columns[name]
+            self._read(name)
+        columns = self._columns[name]
+        if isinstance(columns, MessageError):
+            raise BagError(f'{self.path}: topic {name}: {columns}') from columns
+        return columns
 
     def _short(self, topic: str) -> str:
         full = resolve(topic, self.namespace)
         begin = f'{self.namespace}/'
         return full.removeprefix(begin) if full not in GLOBAL_TOPICS and full.startswith(begin) else full
 
-    def _read(self, name: str) -> Columns:
-        type_name, messages = self.topics[name].type_name, self._messages.get(name, [])
-        others = {message.type_name for message in messages} - {type_name}
+    def _check(self, name: str) -> None:
+        type_name = self.topics[name].type_name
+        others = {other for topic, other in self._met if topic == self._full[name]} - {type_name}
         if others:
             raise BagError(f'{self.path}: topic {name} has several types: {type_name}, {", ".join(sorted(others))}')
-        if type_name not in VALUE_TYPES:
-            raise BagError(f'{self.path}: topic {name} has the type {type_name}, which is not read here')
-        try:
-            values = [decode(type_name, message.data) for message in messages]
-            return make_columns(name, type_name, [message.log_time for message in messages], values)
-        except MessageError as error:
-            raise BagError(f'{self.path}: topic {name}: {error}') from error
+        check_type(self.path, name, type_name, type_name)
+
+    def _read(self, name: str) -> None:
+        at_once = sum(info.message_count for info in self.topics.values()) <= AT_ONCE
+        names = [other for other, info in self.topics.items() if info.type_name in VALUE_TYPES] if at_once else [name]
+        found = self._source([self._full[other] for other in names])
+        for other in names:
+            columns = found.get(self._full[other], make_columns(other, self.topics[other].type_name, [], []))
+            self._columns[other] = columns if isinstance(columns, MessageError) else replace(columns, topic=other)
 
 
 def open_bag(path: Path | str, *, namespace: str | None = None) -> Bag:
@@ -140,8 +157,30 @@ def open_bag(path: Path | str, *, namespace: str | None = None) -> Bag:
         There is no such bag, or it holds several vehicles and no namespace was given.
     """
     stream = read_messages(path)
-    messages = list(stream)
-    return Bag(Path(path), stream.types, messages, tuple(stream.damage), namespace)
+    counter = BlockReader(stream, lambda topic, type_name: False)
+    for _ in counter:
+        pass
+    return Bag(Path(path), stream.types, counter.counts, _FileSource(path), tuple(stream.damage), namespace)
+
+
+class _FileSource:
+    """Reads a bag again for every request."""
+
+    def __init__(self, path: Path | str) -> None:
+        self._path = path
+
+    def __call__(self, topics: Collection[str]) -> dict[str, Columns | MessageError]:
+        stream = read_messages(self._path)
+        blocks: dict[str, list[Columns]] = {}
+        errors: dict[str, MessageError] = {}
+        for topic, _, columns in BlockReader(
+            stream, lambda topic, type_name: topic in topics and type_name == stream.types[topic]
+        ):
+            if isinstance(columns, MessageError):
+                errors.setdefault(topic, columns)
+            else:
+                blocks.setdefault(topic, []).append(columns)
+        return {topic: join_columns(parts) for topic, parts in blocks.items()} | errors
 
 
 def _detect_namespace(path: Path, topics: list[str]) -> str:

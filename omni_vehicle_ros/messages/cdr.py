@@ -37,6 +37,12 @@ class Layout(NamedTuple):
     """What they must be."""
     numbers: Callable[[bytes], tuple[Any, ...]]
     """Get the numbers."""
+    pieces: tuple[bytes | int | str, ...]
+    """What the message is made of: constant bytes, padding by its length, groups of numbers by their form."""
+
+    def describes(self, data: bytes) -> bool:
+        """Tell whether a message has this layout, with no more than padding after it."""
+        return 0 <= len(data) - self.size <= TRAILING_BYTES and self.fixed(data) == self.constants
 
 
 class LayoutBuilder:
@@ -118,6 +124,7 @@ class LayoutBuilder:
             fixed=struct.Struct('<' + fixed).unpack_from,
             constants=tuple(piece for piece in pieces if isinstance(piece, bytes)),
             numbers=struct.Struct('<' + numbers).unpack_from,
+            pieces=tuple(pieces),
         )
 
 

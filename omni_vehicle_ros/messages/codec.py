@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any
 
-from omni_vehicle_ros.messages.cdr import TRAILING_BYTES, Layout, LayoutBuilder, Reader
+from omni_vehicle_ros.messages.cdr import Layout, LayoutBuilder, Reader
 
 SECOND = 1_000_000_000
 KEPT_LAYOUTS = 64
@@ -49,7 +49,7 @@ class CachedCodec(Codec):
 
     @abstractmethod
     def value(self, shape: Any, numbers: tuple[Any, ...]) -> Any:
-        """Return the value that shape and numbers make."""
+        """Return the value that shape and numbers make; of columns of numbers, a value of columns."""
 
     def layout(self, shape: Any) -> Layout:
         """Return the layout of messages of this shape."""
@@ -71,22 +71,31 @@ class CachedCodec(Codec):
         return self._decode_first(data)
 
     def _decode_first(self, data: bytes) -> Any:
+        layout, shape, numbers = self._read(data)
+        if layout is not None:
+            if self._known >= KEPT_LAYOUTS:
+                self._by_length.clear()
+                self._known = 0
+            self._by_length.setdefault(len(data), []).append(layout)
+            self._known += 1
+        return self.value(shape, numbers)
+
+    def layout_of(self, data: bytes) -> Layout | None:
+        """Return the layout of a message; None if none describes it, as for big-endian ones.
+
+        Raises
+        ------
+        MessageError
+            The bytes are not such a message.
+        """
+        return self._read(data)[0]
+
+    def _read(self, data: bytes) -> tuple[Layout | None, Any, tuple[Any, ...]]:
         reader = Reader(data)
         shape, numbers = self.read(reader)
         reader.finish()
-        if reader.little_endian:
-            self._learn(shape, data)
-        return self.value(shape, numbers)
-
-    def _learn(self, shape: Any, data: bytes) -> None:
-        layout = self.layout(shape)
-        if not 0 <= len(data) - layout.size <= TRAILING_BYTES or layout.fixed(data) != layout.constants:
-            return
-        if self._known >= KEPT_LAYOUTS:
-            self._by_length.clear()
-            self._known = 0
-        self._by_length.setdefault(len(data), []).append(layout)
-        self._known += 1
+        layout = self.layout(shape) if reader.little_endian else None
+        return layout if layout is not None and layout.describes(data) else None, shape, numbers
 
 
 class StampedCodec(CachedCodec):

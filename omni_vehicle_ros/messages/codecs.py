@@ -4,6 +4,8 @@ import math
 from itertools import chain
 from typing import Any
 
+import numpy as np
+
 from omni_vehicle_ros.messages.cdr import LayoutBuilder, Reader
 from omni_vehicle_ros.messages.codec import SECOND, CachedCodec, Codec, StampedCodec
 from omni_vehicle_ros.messages.values import (
@@ -50,13 +52,20 @@ def _imu_to_wire(
 def _imu_from_wire(
     qx: float, qy: float, qz: float, qw: float, yaw_rate: float, ax: float, ay: float, az: float
 ) -> tuple[float, ...]:
-    roll = math.atan2(2.0 * (qw * qx + qy * qz), qw * qw - qx * qx - qy * qy + qz * qz)
+    roll = _atan2(2.0 * (qw * qx + qy * qz), qw * qw - qx * qx - qy * qy + qz * qz)
     return roll, _heading(qx, qy, qz, qw), yaw_rate, ax, ay, az
 
 
-def _heading(qx: float, qy: float, qz: float, qw: float) -> float:
+def _heading(qx: Any, qy: Any, qz: Any, qw: Any) -> Any:
     """Return the yaw angle of the ZYX Euler angles; the quaternion need not have unit length."""
-    return math.atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz)
+    return _atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz)
+
+
+def _atan2(y: Any, x: Any) -> Any:
+    """Return the angle, also of columns; numpy's own may differ from the other in the last bit."""
+    if isinstance(y, float):
+        return math.atan2(y, x)
+    return np.fromiter(map(math.atan2, y.tolist(), x.tolist()), np.float64, len(y))
 
 
 class JointsCodec(CachedCodec):

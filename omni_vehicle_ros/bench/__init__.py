@@ -1,0 +1,1 @@
+"""Measurements of how fast this package is, beside what others need for the same."""
