@@ -8,6 +8,7 @@ Defaults of the vehicle: thesis, Appendix A.
 import dataclasses
 import difflib
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -328,3 +329,34 @@ class PacingParameters(Parameters):
          'icr_steering', 'side_slip_controller'),
         'Nodes that take part; in lock step all of them are waited for.',
     )
+
+
+@dataclass(frozen=True)
+class RecorderParameters(Parameters):
+    """The recorder: which topics it takes, and what it makes of them."""
+
+    directory: str = parameter('bag', 'Directory of the bag; must not exist.')
+    all: bool = parameter(False, 'Record every topic with a publisher, but for hidden ones (/a/_b). Without all, topics and regex: the topics of the vehicle.')
+    topics: tuple[str, ...] = parameter((), 'Names of topics to record, hidden ones included.')
+    regex: str = parameter('', 'Record also the topics in whose full name this regular expression is found; hidden ones not.')
+    exclude: tuple[str, ...] = parameter((), 'Topics to leave out whatever the others say: names, or regular expressions for full names.')
+    compression: str = parameter('zstd', 'Compression of the chunks.', choices=('zstd', 'lz4', 'none'))
+    split_size: int = parameter(2_000_000_000, 'Size of a file from which on the next one follows; 0: never.', unit='B', low=0, high=1e15)
+    split_time: float = parameter(0.0, 'Time in a file from which on the next one follows; 0: never.', unit='s', low=0.0, high=1e9)
+    snapshot: bool = parameter(False, 'Write nothing, but keep the latest messages in memory until the service ~/snapshot is called: then write these.')
+    snapshot_size: int = parameter(100_000_000, 'Messages that are kept for a snapshot, in all.', unit='B', low=1, high=1e12)
+    snapshot_time: float = parameter(30.0, 'Age up to which messages are kept for a snapshot.', unit='s', low=0.001, high=1e6)
+
+    def __post_init__(self) -> None:
+        """Check what no single range can."""
+        super().__post_init__()
+        for name, pattern in (('regex', self.regex), *(('exclude', entry) for entry in self.exclude)):
+            try:
+                re.compile(pattern)
+            except re.error as error:
+                raise ParameterError(f'{name}: {pattern!r} is no regular expression: {error}') from None
+
+    @property
+    def chooses(self) -> bool:
+        """Whether topics are chosen, instead of those of the vehicle."""
+        return bool(self.all or self.topics or self.regex)

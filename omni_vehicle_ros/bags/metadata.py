@@ -12,8 +12,24 @@ from omni_vehicle_ros.interface import Qos
 FILE_NAME = 'metadata.yaml'
 VERSION = 9
 ROOT = 'rosbag2_bagfile_information'
+SECOND = 1_000_000_000
 
-_INFINITE = {'sec': 9223372036, 'nsec': 854775807}
+INFINITE = 2**63 - 1
+"""A duration without end, as rosbag2 writes it [ns]."""
+
+
+class OfferedQos(NamedTuple):
+    """The quality of service that one publisher offers, in rosbag2's words; durations in ns."""
+
+    history: str = 'keep_last'
+    depth: int = 10
+    reliability: str = 'reliable'
+    durability: str = 'volatile'
+    deadline: int = INFINITE
+    lifespan: int = INFINITE
+    liveliness: str = 'automatic'
+    liveliness_lease_duration: int = INFINITE
+    avoid_ros_namespace_conventions: bool = False
 
 
 class TopicRecord(NamedTuple):
@@ -22,61 +38,72 @@ class TopicRecord(NamedTuple):
     name: str
     type_name: str
     type_hash: str
-    qos: Qos
+    offers: tuple[OfferedQos, ...]
+    """One for each publisher."""
     message_count: int
 
 
-def qos_profiles(qos: Qos) -> list[dict[str, Any]]:
-    """Return the offered quality of service in rosbag2's words."""
-    return [
-        {
-            'history': 'keep_last',
-            'depth': qos.depth,
-            'reliability': 'reliable',
-            'durability': 'transient_local' if qos.latched else 'volatile',
-            'deadline': dict(_INFINITE),
-            'lifespan': dict(_INFINITE),
-            'liveliness': 'automatic',
-            'liveliness_lease_duration': dict(_INFINITE),
-            'avoid_ros_namespace_conventions': False,
-        }
-    ]
+class FileRecord(NamedTuple):
+    """A file of a bag."""
+
+    name: str
+    span: tuple[int, int]
+    """Log times of its first and its last message [ns]."""
+    message_count: int
+
+
+def offer(qos: Qos) -> OfferedQos:
+    """Return what a publisher of the wiring table offers."""
+    return OfferedQos(depth=qos.depth, durability='transient_local' if qos.latched else 'volatile')
+
+
+def qos_profiles(offers: Sequence[OfferedQos]) -> list[dict[str, Any]]:
+    """Return the offered qualities of service as rosbag2 writes them."""
+    return [{name: _plain(name, value) for name, value in entry._asdict().items()} for entry in offers]
+
+
+def _plain(name: str, value: Any) -> Any:
+    if name in ('deadline', 'lifespan', 'liveliness_lease_duration'):
+        seconds, nanoseconds = divmod(value, SECOND)
+        return {'sec': seconds, 'nsec': nanoseconds}
+    return value
 
 
 def bag_information(
-    file_name: str, topics: Sequence[TopicRecord], span: tuple[int, int], custom: Mapping[str, str]
+    files: Sequence[FileRecord], topics: Sequence[TopicRecord], custom: Mapping[str, str]
 ) -> dict[str, Any]:
     """Return the content of ``metadata.yaml`` below its root.
 
     Parameters
     ----------
-    file_name
-        The only file of the bag.
+    files
+        The files of the bag, in the order of recording.
     topics
-        What lies in it.
-    span
-        Log times of the first and the last message [ns].
+        What lies in them.
     custom
         Any words of the user.
     """
-    count = sum(topic.message_count for topic in topics)
-    starting_time = {'nanoseconds_since_epoch': span[0]}
-    duration = {'nanoseconds': span[1] - span[0]}
+    spans = [file.span for file in files if file.message_count] or [(0, 0)]
+    begin, end = min(span[0] for span in spans), max(span[1] for span in spans)
     return {
         'version': VERSION,
         'storage_identifier': 'mcap',
-        'duration': duration,
-        'starting_time': starting_time,
-        'message_count': count,
+        **_time_entry((begin, end), sum(file.message_count for file in files)),
         'topics_with_message_count': [_topic_entry(topic) for topic in topics],
         'compression_format': '',
         'compression_mode': '',
-        'relative_file_paths': [file_name],
-        'files': [
-            {'path': file_name, 'starting_time': starting_time, 'duration': duration, 'message_count': count},
-        ],
+        'relative_file_paths': [file.name for file in files],
+        'files': [{'path': file.name, **_time_entry(file.span, file.message_count)} for file in files],
         'custom_data': dict(custom),
         'ros_distro': 'jazzy',
+    }
+
+
+def _time_entry(span: tuple[int, int], count: int) -> dict[str, Any]:
+    return {
+        'duration': {'nanoseconds': span[1] - span[0]},
+        'starting_time': {'nanoseconds_since_epoch': span[0]},
+        'message_count': count,
     }
 
 
@@ -86,7 +113,7 @@ def _topic_entry(topic: TopicRecord) -> dict[str, Any]:
             'name': topic.name,
             'type': topic.type_name,
             'serialization_format': 'cdr',
-            'offered_qos_profiles': qos_profiles(topic.qos),
+            'offered_qos_profiles': qos_profiles(topic.offers),
             'type_description_hash': topic.type_hash,
         },
         'message_count': topic.message_count,

@@ -1,30 +1,34 @@
-"""Writing a bag: a directory with an MCAP file and ``metadata.yaml``, as ``ros2 bag record`` makes it."""
+"""Writing a bag: a directory with MCAP files and ``metadata.yaml``, as ``ros2 bag record`` makes it."""
 
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import IO, NoReturn, cast
+from typing import Any, NoReturn
 
-from mcap.writer import CompressionType, Writer
-
-from omni_vehicle_ros import __version__
-from omni_vehicle_ros.bags.metadata import TopicRecord, as_yaml, bag_information, qos_profiles, write_metadata
-from omni_vehicle_ros.bags.schema import ENCODING, schema
+from omni_vehicle_ros.bags.mcap_file import CHUNK_SIZE, COMPRESSIONS, McapFile
+from omni_vehicle_ros.bags.metadata import (
+    FileRecord,
+    OfferedQos,
+    TopicRecord,
+    bag_information,
+    offer,
+    write_metadata,
+)
+from omni_vehicle_ros.bags.schema import Schema, schema
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.interface import Qos
 
-CHUNK_SIZE = 65536
-"""A chunk is written when it is full or at a flush: what is lost at a kill is less than one."""
+__all__ = ['CHUNK_SIZE', 'COMPRESSIONS', 'BagWriter']
 
 METADATA_EVERY = 50
 """Flushes from one writing of ``metadata.yaml`` to the next."""
 
-COMPRESSIONS = {'none': CompressionType.NONE, 'lz4': CompressionType.LZ4, 'zstd': CompressionType.ZSTD}
-
 
 class BagWriter:
     """Writes messages, as the bytes that they are, into a new bag.
+
+    Its files are ``NAME_0.mcap``, ``NAME_1.mcap`` and so on, where ``NAME`` is that of the directory. Each of them can
+    be read alone. The next one begins with the first message after the present one has reached its size or time.
 
     Parameters
     ----------
@@ -32,6 +36,19 @@ class BagWriter:
         Is made, and its parents; must not exist.
     compression
         Of each chunk: ``none``, ``lz4`` or ``zstd``.
+    split_size
+        Size of a file from which on the next one follows [byte]; it ends up larger by a chunk and its index. 0: never.
+    split_time
+        Log time in a file from which on the next one follows [ns]. 0: never.
+
+    Attributes
+    ----------
+    directory
+        As given, absolute.
+    path
+        The file that is written.
+    count
+        Messages written so far.
 
     Raises
     ------
@@ -40,28 +57,38 @@ class BagWriter:
         was written until then stays readable; the writer writes no more.
     """
 
-    def __init__(self, directory: Path | str, *, compression: str = 'zstd') -> None:
+    def __init__(
+        self, directory: Path | str, *, compression: str = 'zstd', split_size: int = 0, split_time: int = 0
+    ) -> None:
         if compression not in COMPRESSIONS:
             raise BagError(f'compression {compression!r} is unknown; known are {", ".join(COMPRESSIONS)}')
         self.directory = Path(directory).resolve()
-        self.path = self.directory / f'{self.directory.name}_0.mcap'
-        self._file = _new_file(self.directory, self.path)
-        self._writer = Writer(self._file, chunk_size=CHUNK_SIZE, compression=COMPRESSIONS[compression])
-        self._schemas: dict[str, int] = {}
-        self._channels: dict[str, int] = {}
+        self.count = 0
+        self._compression = compression
+        self._split_size, self._split_time = split_size, split_time
         self._topics: dict[str, TopicRecord] = {}
+        self._definitions: dict[str, str] = {}
         self._counts: dict[str, int] = {}
-        self._first: int | None = None
-        self._last = 0
+        self._finished: list[FileRecord] = []
         self._flushes = 0
         self._ended = ''
-        try:
-            self._writer.start(profile='ros2', library=f'omni_vehicle_ros {__version__}')
-        except OSError as error:
-            self._fail(error)
+        self.path = self._next_path()
+        make_directory(self.directory)
+        self._file = self._open()
 
-    def add_topic(self, name: str, type_name: str, qos: Qos) -> None:
+    def add_topic(
+        self, name: str, type_name: str, qos: Qos | Sequence[OfferedQos], description: Schema | None = None
+    ) -> None:
         """Announce a topic by its full name; for one that is known already it does nothing.
+
+        Parameters
+        ----------
+        name, type_name
+            As in ROS.
+        qos
+            What its publishers offer; for one of the wiring table, its quality of service.
+        description
+            Of the type; needed only if it is none of ``messages``.
 
         Raises
         ------
@@ -73,17 +100,15 @@ class BagWriter:
             if self._topics[name].type_name != type_name:
                 raise BagError(f'topic {name} has the type {self._topics[name].type_name}, not {type_name}')
             return
-        definition, type_hash = schema(type_name)
+        definition, type_hash = description or schema(type_name)
+        offers = (offer(qos),) if isinstance(qos, Qos) else tuple(qos)
+        topic = TopicRecord(name, type_name, type_hash, offers, 0)
         try:
-            if type_name not in self._schemas:
-                self._schemas[type_name] = self._writer.register_schema(type_name, ENCODING, definition.encode())
-            self._channels[name] = self._writer.register_channel(
-                name, 'cdr', self._schemas[type_name],
-                {'offered_qos_profiles': as_yaml(qos_profiles(qos)), 'topic_type_hash': type_hash},
-            )
+            self._file.add_topic(topic, definition)
         except OSError as error:
             self._fail(error)
-        self._topics[name] = TopicRecord(name, type_name, type_hash, qos, 0)
+        self._topics[name] = topic
+        self._definitions[name] = definition
         self._counts[name] = 0
 
     def write(self, name: str, data: bytes, log_time_ns: int, publish_time_ns: int | None = None) -> None:
@@ -104,26 +129,26 @@ class BagWriter:
             The topic was not announced, or a time is negative.
         """
         self._check()
-        channel = self._channels.get(name)
-        if channel is None:
+        count = self._counts.get(name)
+        if count is None:
             raise BagError(f'topic {name} is unknown; add_topic must come first')
         published = log_time_ns if publish_time_ns is None else publish_time_ns
         if not (0 <= log_time_ns < 2**63 and 0 <= published < 2**63):
             raise BagError(f'topic {name}: the times {log_time_ns} and {published} ns must be within 0 .. 2^63 - 1')
-        count = self._counts[name]
         try:
-            self._writer.add_message(channel, log_time_ns, data, published, count)
+            if self._file_is_full(log_time_ns):
+                self._split()
+            self._file.write(name, data, log_time_ns, published, count)
         except OSError as error:
             self._fail(error)
         self._counts[name] = count + 1
-        self._first = log_time_ns if self._first is None else min(self._first, log_time_ns)
-        self._last = max(self._last, log_time_ns)
+        self.count += 1
 
     def flush(self) -> None:
         """Hand all that was written to the system, where it survives whatever ends this process."""
         self._check()
         try:
-            self._writer.flush()
+            self._file.flush()
             if self._flushes % METADATA_EVERY == 0:
                 write_metadata(self.directory, self._information({}))
         except OSError as error:
@@ -140,12 +165,9 @@ class BagWriter:
         """
         if self._ended:
             return
-        information = self._information(custom or {})
         try:
-            self._writer.add_metadata('rosbag2', {'serialized_metadata': as_yaml(information)})
-            self._writer.finish()
-            self._file.close()
-            write_metadata(self.directory, information)
+            self._file.finish(custom or {})
+            write_metadata(self.directory, self._information(custom or {}))
         except OSError as error:
             self._fail(error)
         self._ended = 'the bag is closed'
@@ -160,52 +182,60 @@ class BagWriter:
         """Close the bag, also after an error: what was written is good."""
         self.close()
 
-    def _information(self, custom: Mapping[str, str]) -> dict[str, object]:
+    def _next_path(self) -> Path:
+        return self.directory / f'{self.directory.name}_{len(self._finished)}.mcap'
+
+    def _open(self) -> McapFile:
+        """Begin a file, with all topics."""
+        try:
+            file = McapFile(self.path, self._compression)
+            for name, topic in self._topics.items():
+                file.add_topic(topic, self._definitions[name])
+        except OSError as error:
+            raise self._ending(error) from error
+        return file
+
+    def _file_is_full(self, log_time: int) -> bool:
+        if self._split_size and self._file.size >= self._split_size:
+            return True
+        begin = self._file.begin
+        return bool(self._split_time) and begin is not None and log_time - begin >= self._split_time
+
+    def _split(self) -> None:
+        self._file.finish({})
+        self._finished.append(self._file.record)
+        self.path = self._next_path()
+        self._file = self._open()
+        write_metadata(self.directory, self._information({}))
+
+    def _information(self, custom: Mapping[str, str]) -> dict[str, Any]:
         topics = [record._replace(message_count=self._counts[name]) for name, record in self._topics.items()]
-        return bag_information(self.path.name, topics, (self._first or 0, self._last), custom)
+        return bag_information([*self._finished, self._file.record], topics, custom)
 
     def _check(self) -> None:
         if self._ended:
             raise BagError(f'{self.path}: {self._ended}')
 
     def _fail(self, error: OSError) -> NoReturn:
+        self._file.abandon()
+        raise self._ending(error) from error
+
+    def _ending(self, error: OSError) -> BagError:
+        """End the writing, and return why."""
         self._ended = f'{error.strerror or error}; what was written before stays readable'
-        with suppress(OSError):
-            self._file.close()
-        raise BagError(f'{self.path}: {self._ended}') from error
+        return BagError(f'{self.path}: {self._ended}')
 
 
-class _WholeWrites:
-    """A file without a buffer in this process, which either takes all of what is written or raises.
+def make_directory(directory: Path) -> None:
+    """Make the directory of a bag.
 
-    A buffer would hide an error of the system until later, and be lost when the process is killed.
+    Raises
+    ------
+    BagError
+        It exists, or can't be made.
     """
-
-    def __init__(self, path: Path) -> None:
-        self._file = open(path, 'xb', buffering=0)  # noqa: SIM115  (closed by close)
-        self._position = 0
-
-    def write(self, data: bytes) -> int:
-        rest = memoryview(data)
-        while rest:
-            rest = rest[self._file.write(rest) :]
-        self._position += len(data)
-        return len(data)
-
-    def tell(self) -> int:
-        return self._position
-
-    def flush(self) -> None:
-        pass
-
-    def close(self) -> None:
-        self._file.close()
-
-
-def _new_file(directory: Path, path: Path) -> IO[bytes]:
     try:
         directory.mkdir(parents=True)
-        return cast('IO[bytes]', _WholeWrites(path))
     except FileExistsError as error:
         raise BagError(f'{directory} exists; name a directory that does not') from error
     except OSError as error:

@@ -1,103 +1,144 @@
-"""Node ``recorder``: writes every message of the vehicle to a bag, as the bytes that came."""
+"""Node ``recorder``: writes the messages of the vehicle, or of any other topics, to a bag as the bytes that came."""
 
 import sys
 import time
-from collections.abc import Callable
-from pathlib import Path
+from typing import Protocol
 
 from rclpy.context import Context
+from std_srvs.srv import Trigger
 
 from omni_vehicle_ros import interface
+from omni_vehicle_ros.bags.snapshot import SnapshotBuffer
 from omni_vehicle_ros.bags.writer import BagWriter
-from omni_vehicle_ros.components.component import ERROR, Reporter
-from omni_vehicle_ros.components.journal import Journal
-from omni_vehicle_ros.control.health import health
-from omni_vehicle_ros.errors import MessageError
-from omni_vehicle_ros.messages import Step, decode
+from omni_vehicle_ros.control.health import ERROR
+from omni_vehicle_ros.errors import BagError
+from omni_vehicle_ros.messages import Diagnostics, Status
 from omni_vehicle_ros.nodes.declare import declare
-from omni_vehicle_ros.nodes.ports import subscribe_to
 from omni_vehicle_ros.nodes.process import run
-from omni_vehicle_ros.nodes.shell import Shell
-from omni_vehicle_ros.parameters import PlantParameters
-
-DEPTH = 4000
-"""Messages of one topic that may wait for the recorder: many times what the plant lets it fall behind."""
-
-ACKNOWLEDGE = 4
-"""Cycles from one acknowledgement to the next."""
+from omni_vehicle_ros.nodes.shell import Shell, StartError
+from omni_vehicle_ros.nodes.topic_recording import TopicRecording
+from omni_vehicle_ros.nodes.vehicle_recording import VehicleRecording
+from omni_vehicle_ros.parameters import RecorderParameters
 
 FLUSH_PERIOD = 0.2
-END_LIMIT = 3.0
+
+
+class Recording(Protocol):
+    """What kind of recording it is."""
+
+    period: float
+    """From one call of `poll` to the next [s]."""
+
+    def poll(self) -> bool:
+        """Do what is due, and return whether the recording is over."""
+
+    def take(self) -> None:
+        """Take the messages that wait, if the executor doesn't hand them over."""
+
+    def now(self) -> int:
+        """Return the stamp of a diagnostic [ns]."""
+
+    def end(self) -> None:
+        """Write what waits."""
+
+    def summary(self) -> str:
+        """Return in words what was recorded."""
 
 
 class RecorderNode(Shell):
-    """Takes raw bytes, orders them by simulated time and writes them; says at the end what was lost."""
+    """Owns the bag: makes it, flushes it, closes it, and says how that went."""
 
     def __init__(self, context: Context, namespace: str | None = None) -> None:
         super().__init__(interface.RECORDER, context=context, namespace=namespace)
-        period = declare(self, PlantParameters, only=('control_period',)).control_period
-        directory = Path(str(self.declare_parameter('directory', 'bag').value))
-        self._writer = BagWriter(directory)
-        self._journal = Journal(self._writer, self.vehicle_namespace, round(period * 1e9))
-        self._acknowledge = ACKNOWLEDGE * self._journal.period
-        self._end: int | None = None
-        self._ended = 0.0
+        settings = declare(self, RecorderParameters)
+        if settings.chooses and self.lockstep:
+            raise StartError('topics, regex and all need pacing realtime: in lock step the vehicle is recorded')
+        self._sink = make_sink(settings)
+        self._failure: BagError | None = None
         self._flushed = time.monotonic()
         self._closed = False
-        self._reporter = Reporter(self.full_name)
-        self.connect()
-        for row in self.topics():
-            if row.recorded:
-                subscribe_to(self, row, self.vehicle_namespace, self._taker(row), depth=DEPTH)
-
-    def _taker(self, row: interface.Topic) -> Callable[[bytes], None]:
-        name, type_name = row.name, row.type
-        journal = self._journal
-
-        def take(data: bytes) -> None:
-            try:
-                journal.add(name, data)
-                if name == 'joint_states':
-                    self._beat()
-                elif name == 'driver/step':
-                    step: Step = decode(type_name, data)
-                    self._end = step.end
-            except MessageError as error:
-                self.warn(f'{name}: {error}; the message is not recorded')
-
-        return take
-
-    def _beat(self) -> None:
-        now = self._journal.now
-        if now % self._acknowledge == 0:
-            step = Step(now, 0, (interface.RECORDER,))
-            lost = self._journal.lost if self.lockstep else 0
-            values = (('messages lost', str(lost)),) if lost else ()
-            state = health([(ERROR, 'messages were lost')] if lost else [], 'recording', values)
-            self.say('recorder/step', step)
-            self.publish(self._reporter.report(now, state))
+        self._recording: Recording
+        if settings.chooses:
+            self._recording = TopicRecording(self, settings, self._sink)
+        else:
+            self.connect()
+            self._recording = VehicleRecording(self, self._sink, self.fail)
+        if isinstance(self._sink, SnapshotBuffer):
+            self._offer_snapshots(self._sink)
 
     def poll(self) -> None:
-        """Flush what came, and finish when the scenario is over."""
-        super().poll()
-        wall = time.monotonic()
-        if wall - self._flushed >= FLUSH_PERIOD:
-            self._flushed = wall
-            self._writer.flush()
-        if self._end is None or self._journal.now < self._end:
-            self._ended = wall
-        elif self._journal.complete(self._end) or wall - self._ended > END_LIMIT:
-            self.finished = True
+        """Flush what came, and finish when the recording is over.
+
+        Raises
+        ------
+        BagError
+            The bag can't be written any more; /diagnostics says so.
+        """
+        if isinstance(self._recording, VehicleRecording):
+            super().poll()
+        try:
+            self.finished = self._recording.poll()
+            wall = time.monotonic()
+            if wall - self._flushed >= FLUSH_PERIOD:
+                self._flushed = wall
+                self._sink.flush()
+        except BagError as error:
+            self.fail(error)
+        if self._failure is not None:
+            raise self._failure
+
+    def wait(self) -> float:
+        """Return for how long there is nothing to do but to take messages [s]."""
+        return self._recording.period
+
+    def fail(self, error: BagError) -> None:
+        """Say on /diagnostics that the bag can't be written any more, and end with the next poll."""
+        if self._failure is None:
+            self._failure = error
+            status = Status(ERROR, self.full_name, f'the recording has ended: {error}')
+            self.say('/diagnostics', Diagnostics(self._recording.now(), (status,)))
+            self.await_heard('/diagnostics')
 
     def end(self) -> None:
         """Write what waits, close the bag, and say what was lost."""
         if self._closed:
             return
         self._closed = True
-        self._journal.flush()
-        self._writer.close()
-        what = 'lost' if self.lockstep else 'cycles missed'
-        print(f'recorded {self._journal.written} messages, {self._journal.lost} {what}', flush=True)
+        try:
+            if self._failure is None:
+                self._recording.end()
+                self._sink.close()
+        finally:
+            print(self._recording.summary(), flush=True)
+
+    def _offer_snapshots(self, sink: SnapshotBuffer) -> None:
+        def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            try:
+                response.message, response.success = sink.take(self._recording.take), True
+            except BagError as error:
+                response.message = str(error)
+            return response
+
+        self.create_service(Trigger, '~/snapshot', answer)
+
+
+def make_sink(settings: RecorderParameters) -> BagWriter | SnapshotBuffer:
+    """Return what messages are written to.
+
+    Raises
+    ------
+    BagError
+        The directory exists, or can't be made.
+    """
+    split_time = round(settings.split_time * 1e9)
+    if settings.snapshot:
+        return SnapshotBuffer(
+            settings.directory, settings.snapshot_size, round(settings.snapshot_time * 1e9),
+            compression=settings.compression, split_size=settings.split_size, split_time=split_time,
+        )
+    return BagWriter(
+        settings.directory, compression=settings.compression, split_size=settings.split_size, split_time=split_time
+    )
 
 
 def main() -> None:
