@@ -8,7 +8,7 @@ from omni_vehicle_ros.bags import Bag
 from omni_vehicle_ros.bags.memory import MemoryWriter
 from omni_vehicle_ros.bags.writer import BagWriter
 from omni_vehicle_ros.components.component import Component, Output, Reporter
-from omni_vehicle_ros.components.driver import Driver
+from omni_vehicle_ros.components.driver import Driver, Script
 from omni_vehicle_ros.components.exact_side_slip import ExactSideSlip
 from omni_vehicle_ros.components.icr_steering import IcrSteering
 from omni_vehicle_ros.components.joints import ZEROS
@@ -37,6 +37,8 @@ class Simulation:
         Called with every message, in the order in which it is said.
     namespace
         Of the vehicle.
+    script
+        What the driver goes by in place of the scenario's commands.
 
     Raises
     ------
@@ -44,7 +46,13 @@ class Simulation:
         Side-slip control with ideal actuators and gains that have no exact form.
     """
 
-    def __init__(self, scenario: Scenario, take: Callable[[Output], None], namespace: str = '') -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        take: Callable[[Output], None],
+        namespace: str = '',
+        script: Script | None = None,
+    ) -> None:
         period = scenario.plant.control_period
         self._take = take
         self.end = scenario.cycles * round(period * 1e9)
@@ -65,7 +73,7 @@ class Simulation:
         steering = IcrSteering(scenario.vehicle, scenario.steering, period, name=name(interface.ICR_STEERING))
         # The order is that of the block diagram: who speaks first is heard by those after it in the same cycle.
         self._chain: list[tuple[str, Component]] = [
-            (interface.DRIVER, Driver(scenario, name=name(interface.DRIVER))),
+            (interface.DRIVER, Driver(scenario, script, name=name(interface.DRIVER))),
             (interface.ICR_STEERING, steering),
             *zip(WHEEL_MODULES, modules, strict=True),
         ]
@@ -132,13 +140,17 @@ def exact_gains(scenario: Scenario) -> PerWheel | None:
 
 
 def simulate(
-    scenario: Scenario, bag: Path, namespace: str = '', progress: Callable[[float], None] = lambda time: None
+    scenario: Scenario,
+    bag: Path,
+    namespace: str = '',
+    progress: Callable[[float], None] = lambda time: None,
+    script: Script | None = None,
 ) -> Journal:
-    """Run a scenario offline and write its bag; return what the recording counted."""
+    """Run a scenario offline, or what ``script`` says in it, and write its bag; return what the recording counted."""
     writer = BagWriter(bag)
     journal = Journal(writer, namespace, round(scenario.plant.control_period * 1e9))
     try:
-        _run_into(journal, scenario, namespace, progress)
+        _run_into(journal, scenario, namespace, progress, script)
     finally:
         journal.flush()
         writer.close()
@@ -154,10 +166,16 @@ def record(scenario: Scenario) -> Bag:
     return writer.bag(scenario.name)
 
 
-def _run_into(journal: Journal, scenario: Scenario, namespace: str, progress: Callable[[float], None]) -> None:
+def _run_into(
+    journal: Journal,
+    scenario: Scenario,
+    namespace: str,
+    progress: Callable[[float], None],
+    script: Script | None = None,
+) -> None:
     types = {row.name: row.type for row in TOPICS}
 
     def take(output: Output) -> None:
         journal.add(output.topic, encode(types[output.topic], output.value))
 
-    Simulation(scenario, take, namespace).run(progress)
+    Simulation(scenario, take, namespace, script).run(progress)

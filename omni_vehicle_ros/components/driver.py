@@ -1,25 +1,47 @@
-"""The driver of a scenario: says what its script says, when it says it."""
+"""The driver of a scenario: says what its script, or a bag in its place, says, when it says it."""
 
-from omni_vehicle_ros.components.component import Output, Reporter
+from typing import Protocol
+
+from omni_vehicle_ros.components.component import ERROR, Output, Reporter
 from omni_vehicle_ros.control.health import health
 from omni_vehicle_ros.interface import TOPICS
 from omni_vehicle_ros.messages import Step, Value
 from omni_vehicle_ros.scenarios.scenario import Scenario
-from omni_vehicle_ros.scenarios.script import DriverScript
+from omni_vehicle_ros.scenarios.script import DriverScript, Message
 
 _ORDER = {row.name: number for number, row in enumerate(TOPICS)}
 
 
+class Script(Protocol):
+    """What a driver goes by."""
+
+    trouble: str
+    """Why it does not say all that it should, if so."""
+
+    def messages(self, cycle: int) -> list[Message]:
+        """Return what to publish in a cycle; asked for one after the other."""
+
+
 class Driver:
-    """Plays a scenario's commands and environment on the stamps of the plant."""
+    """Plays commands and environment on the stamps of the plant.
+
+    Parameters
+    ----------
+    scenario
+        Gives period and end, and the commands if there is no ``script``.
+    script
+        To go by in place of the scenario's own.
+    name
+        Full name of the node, for diagnostics.
+    """
 
     beat = 'joint_states'
     sources: tuple[str, ...] = ()
 
-    def __init__(self, scenario: Scenario, *, name: str = '/driver') -> None:
+    def __init__(self, scenario: Scenario, script: Script | None = None, *, name: str = '/driver') -> None:
         self.name = name
         self.end = scenario.cycles * round(scenario.plant.control_period * 1e9)
-        self._script = DriverScript(scenario)
+        self._script: Script = script or DriverScript(scenario)
         self._period = round(scenario.plant.control_period * 1e9)
         self._next_cycle = 0
         self._reporter = Reporter(name)
@@ -30,7 +52,8 @@ class Driver:
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the commands of every cycle up to ``stamp`` [ns] that were not yet said."""
         cycle = stamp // self._period
-        outputs = self._reporter.report(stamp, health([], 'playing'))
+        troubles = [(ERROR, self._script.trouble)] if self._script.trouble else []
+        outputs = self._reporter.report(stamp, health(troubles, 'playing'))
         for passed in range(self._next_cycle, cycle + 1):
             said = sorted(self._script.messages(passed), key=lambda message: _ORDER[message[0]])
             outputs += [Output(topic, value) for topic, value in said]

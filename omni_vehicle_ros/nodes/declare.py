@@ -31,7 +31,8 @@ def declare(node: Node, parameters: type[P], *, only: tuple[str, ...] = (), chan
             continue
         default = list(entry.default) if isinstance(entry.default, tuple) else entry.default
         declared = node.declare_parameter(entry.name, default, _descriptor(entry, changeable))
-        values[entry.name] = check_value(entry, _plain(declared.value))
+        given = default if declared.value is None else declared.value  # an empty list in a YAML file is no value
+        values[entry.name] = check_value(entry, _plain(given))
         _store_coerced(node, entry.name, values[entry.name])
     return parameters.from_mapping(values)
 

@@ -1,13 +1,15 @@
-"""Node ``driver``: plays the commands and the environment of a scenario."""
+"""Node ``driver``: plays the commands and the environment of a scenario, or those of a bag."""
 
 import sys
 import time
+from pathlib import Path
 
 from rclpy.context import Context
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.driver import Driver
+from omni_vehicle_ros.components.recorded_commands import RecordedCommands
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
 from omni_vehicle_ros.scenarios import load_scenario
@@ -16,12 +18,14 @@ PROGRESS_PERIOD = 0.1
 
 
 class DriverNode(Shell):
-    """Says what the scenario says, when it says it; prints the simulated time on standard output."""
+    """Says what the scenario or the bag says, when it says it; prints the simulated time on standard output."""
 
     def __init__(self, context: Context, namespace: str | None = None) -> None:
         super().__init__(interface.DRIVER, context=context, namespace=namespace)
         scenario = load_scenario(str(self.declare_parameter('scenario', 'demo').value))
-        self._driver = Driver(scenario, name=self.full_name)
+        bag = str(self.declare_parameter('commands', '').value)
+        script = RecordedCommands(Path(bag), scenario) if bag else None
+        self._driver = Driver(scenario, script, name=self.full_name)
         self._printed = 0.0
         self.attach(self._driver)
 

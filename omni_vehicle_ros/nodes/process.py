@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from types import FrameType
+from typing import Protocol
 
 import rclpy
 from rclpy.context import Context
@@ -16,7 +17,6 @@ from rclpy.signals import SignalHandlerOptions
 
 from omni_vehicle_ros.errors import OmniVehicleError
 from omni_vehicle_ros.executables import ENDING
-from omni_vehicle_ros.nodes.shell import Shell
 
 RCLError = rclpy_implementation.RCLError
 
@@ -25,6 +25,24 @@ EXIT_USAGE = 2
 
 REFUSALS = (InvalidParameterTypeException, InvalidParameterValueException, RCLError)
 """What rclpy says to parameters, files and names that it does not take."""
+
+
+class Served(Protocol):
+    """A node that is served here."""
+
+    finished: bool
+
+    def poll(self) -> None:
+        """Do what no message calls for."""
+
+    def wait(self) -> float:
+        """Return for how long there is nothing to do but to take messages [s]."""
+
+    def end(self) -> None:
+        """Finish what must not be left half done; called once, before the node is destroyed."""
+
+    def destroy_node(self) -> None:
+        """Let go of all that is ROS."""
 
 
 class Stop:
@@ -44,7 +62,7 @@ class Stop:
         return self._parent != 0 and os.getppid() != self._parent
 
 
-def run(make: Callable[[Context], Sequence[Shell]]) -> int:
+def run(make: Callable[[Context], Sequence[Served]]) -> int:
     """Make nodes and serve them until one has finished or a signal comes; return the exit code."""
     stop = Stop()
     context = Context()
@@ -62,10 +80,10 @@ def run(make: Callable[[Context], Sequence[Shell]]) -> int:
     return 0
 
 
-def _live(make: Callable[[Context], Sequence[Shell]], context: Context, stop: Stop) -> None:
+def _live(make: Callable[[Context], Sequence[Served]], context: Context, stop: Stop) -> None:
     """Make the nodes, serve them, and end them whatever happened."""
     executor = EventsExecutor(context=context)
-    nodes: Sequence[Shell] = ()
+    nodes: Sequence[Served] = ()
     try:
         nodes = make(context)
         for node in nodes:
@@ -85,7 +103,7 @@ def _one_line(error: Exception) -> str:
     return ' '.join(str(error).split(', at /')[0].split())
 
 
-def serve(executor: EventsExecutor, nodes: Sequence[Shell], stop: Stop) -> None:
+def serve(executor: EventsExecutor, nodes: Sequence[Served], stop: Stop) -> None:
     """Take messages and poll the nodes until one has finished; every wait is finite."""
     due = 0.0
     while not stop.asked:

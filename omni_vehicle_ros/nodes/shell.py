@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Callable
 
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.node import Node
 
 from omni_vehicle_ros import interface
@@ -85,14 +86,17 @@ class Shell(Node):
 
     def connect(self) -> None:
         """Make the publishers of this node."""
-        rows = [row for row in self.topics() if self.publishes(row.name)]
-        self._ports = {row.name: (publish_on(self, row, self.vehicle_namespace), row.type) for row in rows}
+        self.open_ports([row for row in self.topics() if self.publishes(row.name)])
         publishers = [publisher for publisher, _ in self._ports.values()]
         self._handshake = Handshake(
             self, self.role, self.vehicle_namespace, self.topics(), self.pacing.participants, publishers
         )
         mine = [row for row in self.topics() if self.subscribes(row.name)]
         self._owners = Owners(self, self.vehicle_namespace, mine)
+
+    def open_ports(self, rows: list[interface.Topic]) -> None:
+        """Make the publishers of some topics."""
+        self._ports = {row.name: (publish_on(self, row, self.vehicle_namespace), row.type) for row in rows}
 
     def topics(self) -> list[interface.Topic]:
         """Return the rows of the wiring table that this vehicle uses: /clock only if it owns it."""
@@ -163,6 +167,10 @@ class Shell(Node):
         """Publish one message."""
         publisher, type_name = self._ports[topic]
         publisher.publish(encode(type_name, value))
+
+    def await_heard(self, topic: str) -> None:
+        """Wait a little until those who listen to ``topic`` have what was published on it."""
+        self._ports[topic][0].wait_for_all_acked(Duration(seconds=0.5))
 
     def poll(self) -> None:
         """Do what no message calls for: handshake, a look round, and the end of a wait that takes too long."""

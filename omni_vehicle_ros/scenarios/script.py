@@ -25,6 +25,8 @@ class DriverScript:
         What to play.
     """
 
+    trouble = ''
+
     def __init__(self, scenario: Scenario) -> None:
         period = scenario.plant.control_period
         self._period_ns = round(period * 1e9)
