@@ -1,14 +1,14 @@
 """The path seen from above, with the vehicle and its wheels drawn along it."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from matplotlib.patches import FancyBboxPatch, Polygon, Rectangle
-from matplotlib.transforms import Affine2D
+from matplotlib.transforms import Affine2D, Transform
 
 from omni_vehicle_ros.analysis.signals import Array
 from omni_vehicle_ros.analysis.style import ACCENT, INK, MUTED, WHEEL_COLOURS
-from omni_vehicle_ros.bags import Bag
+from omni_vehicle_ros.bags import Columns
 from omni_vehicle_ros.parameters import VehicleParameters
 
 if TYPE_CHECKING:
@@ -23,8 +23,18 @@ _FARTHEST_ICR = 20.0
 _TIME_ROOM = 22.0  # pt, what a time takes beside the path
 
 
+class Motion(Protocol):
+    """Columns by topic: a bag, or what is left of one."""
+
+    def __contains__(self, topic: str, /) -> bool:
+        """Tell whether there is a topic."""
+
+    def __getitem__(self, topic: str, /) -> Columns:
+        """Return the columns of a topic."""
+
+
 class _Sight(NamedTuple):
-    """The vehicle at one time: pose [m, m, rad], twist [m/s, m/s, rad/s] and steer angles [rad]."""
+    """The vehicle at one time: pose [m, m, rad], twist [m/s, m/s, rad/s] and steer angles [rad], if known."""
 
     time: float
     x: float
@@ -36,7 +46,7 @@ class _Sight(NamedTuple):
     steer_angles: tuple[float, ...]
 
 
-def plot_path(bag: Bag, axes: 'Axes', vehicle: VehicleParameters | None = None) -> None:
+def plot_path(bag: Motion, axes: 'Axes', vehicle: VehicleParameters | None = None) -> None:
     """Draw the path of the centre of gravity from above, and the vehicle and its steered wheels along it.
 
     In the middle of its turns thin lines join the wheels with its instantaneous centre of rotation.
@@ -44,7 +54,7 @@ def plot_path(bag: Bag, axes: 'Axes', vehicle: VehicleParameters | None = None) 
     Parameters
     ----------
     bag
-        A bag with odom and joint_states.
+        A bag with odom; without joint_states the wheels are left out.
     axes
         Where to draw; its aspect becomes equal [m].
     vehicle
@@ -54,7 +64,7 @@ def plot_path(bag: Bag, axes: 'Axes', vehicle: VehicleParameters | None = None) 
     odom = bag['odom']
     axes.plot(odom.x, odom.y, color=INK, linewidth=1.0, zorder=2)
     sights = [_sight(bag, index) for index in snapshots(odom.x, odom.y, vehicle)]
-    turning = [sight for sight in sights if _icr_distance(sight) < _FARTHEST_ICR]
+    turning = [sight for sight in sights if sight.steer_angles and _icr_distance(sight) < _FARTHEST_ICR]
     if turning:
         _draw_icr(axes, turning[len(turning) // 2], vehicle)
     for sight in sights:
@@ -100,14 +110,19 @@ def _first_at_each_place(chosen: list[int], x: Array, y: Array, gap: float) -> l
     return kept
 
 
-def _sight(bag: Bag, index: int) -> _Sight:
-    odom, joints = bag['odom'], bag['joint_states']
-    row = min(int(np.searchsorted(joints.stamp, odom.stamp[index] - 1e-9)), len(joints.stamp) - 1)
+def _sight(bag: Motion, index: int) -> _Sight:
+    odom = bag['odom']
     return _Sight(
         float(odom.stamp[index]), float(odom.x[index]), float(odom.y[index]), float(odom.heading[index]),
         float(odom.vx[index]), float(odom.vy[index]), float(odom.yaw_rate[index]),
-        tuple(joints.position[row, :4].tolist()),
+        _steer_angles(bag, float(odom.stamp[index])) if 'joint_states' in bag else (),
     )
+
+
+def _steer_angles(bag: Motion, time: float) -> tuple[float, ...]:
+    joints = bag['joint_states']
+    row = min(int(np.searchsorted(joints.stamp, time - 1e-9)), len(joints.stamp) - 1)
+    return tuple(joints.position[row, :4].tolist())
 
 
 def _icr_distance(sight: _Sight) -> float:
@@ -154,6 +169,11 @@ def _draw_vehicle(axes: 'Axes', sight: _Sight, vehicle: VehicleParameters) -> No
     low, high = nose - 1.25, nose - 0.75
     screen = [(high, -0.4 * width), (high, 0.4 * width), (low, 0.33 * width), (low, -0.33 * width)]
     axes.add_patch(Polygon(screen, transform=frame, facecolor='#cbd2d9', edgecolor='none', zorder=5))
+    if sight.steer_angles:
+        _draw_wheels(axes, sight, vehicle, frame)
+
+
+def _draw_wheels(axes: 'Axes', sight: _Sight, vehicle: VehicleParameters, frame: Transform) -> None:
     radius = vehicle.wheel_radius
     for x, y, angle, colour in zip(vehicle.wheel_x, vehicle.wheel_y, sight.steer_angles, WHEEL_COLOURS, strict=True):
         place = Affine2D().rotate(angle).translate(x, y) + frame

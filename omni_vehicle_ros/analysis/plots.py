@@ -19,9 +19,9 @@ from omni_vehicle_ros.wheels import WHEELS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_WIDTH = 5.6
-_HEIGHT = 3.7
-_LABELS = 1.2  # in, beside a path
+WIDTH = 5.6
+HEIGHT = 3.7
+LABELS = 1.2  # in, beside a path
 _SMALLEST_RANGE = 0.4
 _COMMAND = (0, (4, 2))
 _AFTER_SLIP = 3
@@ -58,7 +58,7 @@ def draw_plots(bag: Bag, scenario: Scenario) -> list[Plot]:
 def _path(bag: Bag, scenario: Scenario) -> Plot:
     x, y = bag['odom'].x, bag['odom'].y
     margin = 2 * scenario.vehicle.wheelbase
-    height = 7.6 * (np.ptp(y) + margin) / (np.ptp(x) + margin) + _LABELS
+    height = 7.6 * (np.ptp(y) + margin) / (np.ptp(x) + margin) + LABELS
     figure = Figure(figsize=(7.6, float(np.clip(height, 2.4, 8.0))))
     axes = figure.add_subplot()
     plot_path(bag, axes, scenario.vehicle)
@@ -66,8 +66,9 @@ def _path(bag: Bag, scenario: Scenario) -> Plot:
     return Plot('path', 'Path from above', text, figure)
 
 
-def _rows(*labels: str) -> tuple[Figure, list['Axes']]:
-    figure = Figure(figsize=(_WIDTH, _HEIGHT), layout='constrained')
+def stacked_axes(*labels: str) -> tuple[Figure, list['Axes']]:
+    """Return a figure with axes over one time, one below the other, by the labels of their values."""
+    figure = Figure(figsize=(WIDTH, HEIGHT), layout='constrained')
     grid = figure.subplots(len(labels), 1, sharex=True, squeeze=False)
     rows = [row[0] for row in grid]
     for axes, label in zip(rows, labels, strict=True):
@@ -97,7 +98,7 @@ def _tidy(figure: Figure, times: list[float]) -> None:
 
 def _speed(bag: Bag) -> Plot:
     odom = bag['odom']
-    figure, (speed, yaw) = _rows('speed [m/s]', 'yaw rate [°/s]')
+    figure, (speed, yaw) = stacked_axes('speed [m/s]', 'yaw rate [°/s]')
     line(speed, odom.stamp, odom.vx, INK, 'forward')
     line(speed, odom.stamp, odom.vy, SECOND, 'lateral')
     if has(bag, 'driver/speed'):
@@ -111,7 +112,7 @@ def _speed(bag: Bag) -> Plot:
 
 def _side_slip(bag: Bag) -> Plot:
     slip = bag['tyres/side_slip']
-    figure, (axes,) = _rows('side slip [°]')
+    figure, (axes,) = stacked_axes('side slip [°]')
     _each_wheel(axes, slip.stamp, np.degrees(slip.position))
     return Plot('side-slip', 'Side slip of the tyres', 'Positive where it makes a force to the left.', figure)
 
@@ -119,7 +120,7 @@ def _side_slip(bag: Bag) -> Plot:
 def _regions(bag: Bag, scenario: Scenario) -> Plot:
     """Draw a strip for each wheel, in the colour of the region that its tyre works in."""
     found = regions(bag, scenario.vehicle)
-    figure, (axes,) = _rows('')
+    figure, (axes,) = stacked_axes('')
     for region, colour in zip(Region, REGION_COLOURS, strict=True):
         for i in range(4):
             stretches = [(begin, end - begin) for begin, end in spans(found, i, region)]
@@ -136,7 +137,7 @@ def _regions(bag: Bag, scenario: Scenario) -> Plot:
 
 def _steer_angles(bag: Bag) -> Plot:
     joints = bag['joint_states']
-    figure = Figure(figsize=(_WIDTH, _HEIGHT), layout='constrained')
+    figure = Figure(figsize=(WIDTH, HEIGHT), layout='constrained')
     grid = figure.subplots(2, 2, sharex=True, sharey=True)
     for i, (axes, wheel) in enumerate(zip(grid.flat, WHEELS, strict=True)):
         line(axes, joints.stamp, np.degrees(joints.position[:, i]), WHEEL_COLOURS[i])
@@ -154,7 +155,7 @@ def _steer_angles(bag: Bag) -> Plot:
 
 def _friction_use(bag: Bag) -> Plot:
     slip = bag['tyres/side_slip']
-    figure, (axes,) = _rows('friction use')
+    figure, (axes,) = stacked_axes('friction use')
     _each_wheel(axes, slip.stamp, slip.effort)
     axes.axhline(1.0, color=MUTED, linewidth=0.8)
     axes.set_ylim(0.0, 1.08)
@@ -164,7 +165,7 @@ def _friction_use(bag: Bag) -> Plot:
 
 def _loads(bag: Bag) -> Plot:
     force = bag['tyres/force']
-    figure, (axes,) = _rows('load [kN]')
+    figure, (axes,) = stacked_axes('load [kN]')
     _each_wheel(axes, force.stamp, force.forces[:, :, 2] / 1e3)
     axes.set_ylim(bottom=0.0)
     return Plot('loads', 'Wheel loads', 'At 0 a wheel lifts off.', figure)
@@ -172,7 +173,7 @@ def _loads(bag: Bag) -> Plot:
 
 def _forces(bag: Bag) -> Plot:
     force = bag['tyres/force']
-    figure, (lateral, traction) = _rows('lateral [kN]', 'traction [kN]')
+    figure, (lateral, traction) = stacked_axes('lateral [kN]', 'traction [kN]')
     _each_wheel(lateral, force.stamp, force.forces[:, :, 1] / 1e3)
     _each_wheel(traction, force.stamp, force.forces[:, :, 0] / 1e3)
     return Plot('forces', 'Tyre forces', 'In the frame of each wheel: to the left, and along it.', figure)
@@ -180,7 +181,7 @@ def _forces(bag: Bag) -> Plot:
 
 def _body(bag: Bag) -> Plot:
     imu = bag['imu']
-    figure, (acceleration, roll) = _rows('acceleration [m/s²]', 'roll [°]')
+    figure, (acceleration, roll) = stacked_axes('acceleration [m/s²]', 'roll [°]')
     line(acceleration, imu.stamp, imu.ax, ACCENT, 'forward')
     line(acceleration, imu.stamp, imu.ay, INK, 'lateral')
     acceleration.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncol=2)
@@ -208,7 +209,7 @@ _ENVIRONMENT: tuple[tuple[str, str, Callable[[Bag], tuple[Array, Array]]], ...] 
 def _environment(bag: Bag) -> Plot:
     end = bag['odom'].stamp[-1]
     there = [row for row in _ENVIRONMENT if has(bag, row[0])]
-    figure, grid = _rows(*(label for _, label, _ in there))
+    figure, grid = stacked_axes(*(label for _, label, _ in there))
     for axes, (_, _, read) in zip(grid, there, strict=True):
         time, signal = read(bag)
         colours = WHEEL_COLOURS if signal.ndim > 1 else (INK,)
