@@ -7,17 +7,19 @@ from setuptools import find_packages, setup
 PACKAGE = 'omni_vehicle_ros'
 ROOT = Path(__file__).resolve().parent
 RUN_TIME = [
-    'jinja2', 'lz4', 'matplotlib', 'mcap', 'numba', 'numpy', 'pyyaml', 'rich', 'rosbags', 'scipy', 'setuptools',
-    'typer', 'zstandard',
+    'jinja2', 'lz4', 'matplotlib', 'mcap', 'numba', 'numpy', 'pyarrow', 'pyyaml', 'rich', 'rosbags', 'scipy',
+    'setuptools', 'typer', 'zstandard',
 ]
 EXECUTABLES = (
-    'omni_vehicle', 'driver', 'icr_steering', 'plant', 'recorder', 'side_slip_controller', 'vehicle', 'wheel_module',
+    'omni_vehicle', 'analyse', 'driver', 'icr_steering', 'odom_transform', 'plant', 'recorder', 'replay',
+    'side_slip_controller', 'vehicle', 'wheel_module',
 )
+SHARED = ('.json', '.py', '.rviz', '.urdf', '.xml', '.yaml')
 
 
 def share_files(folder: str) -> list[tuple[str, list[str]]]:
     """Return `folder` and its sub-folders as data files below ``share/omni_vehicle_ros``."""
-    found = [path for path in (ROOT / folder).rglob('*') if path.suffix in ('.py', '.xml', '.yaml')]
+    found = [path for path in (ROOT / folder).rglob('*') if path.suffix in SHARED]
     files = sorted(path.relative_to(ROOT) for path in found)
     parents = sorted({path.parent for path in files})
     return [(f'share/{PACKAGE}/{parent}', [str(path) for path in files if path.parent == parent]) for parent in parents]
@@ -39,9 +41,11 @@ setup(
         (f'share/{PACKAGE}', ['package.xml']),
         *share_files('config'),
         *share_files('launch'),
+        *share_files('rviz'),
+        *share_files('urdf'),
     ],
     install_requires=RUN_TIME,
-    extras_require={'test': ['hypothesis', 'pytest']},
+    extras_require={'bench': ['mcap-ros2-support'], 'test': ['hypothesis', 'pytest']},
     zip_safe=True,
     entry_points={
         'console_scripts': [

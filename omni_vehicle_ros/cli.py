@@ -1,19 +1,30 @@
 """The command ``omni_vehicle``."""
 
+import json
+import os
 import signal
 import sys
 import time
 from pathlib import Path
 from types import FrameType
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from omni_vehicle_ros import __version__
 from omni_vehicle_ros.errors import OmniVehicleError, RunError
 from omni_vehicle_ros.executables import ENDING, EXIT_SIGNAL
-from omni_vehicle_ros.run import MODES, PACINGS, Interrupted, RunResult, new_directory, run_scenario, start_vehicle
-from omni_vehicle_ros.scenarios import load_scenario, scenario_directory, scenario_names
+from omni_vehicle_ros.run import (
+    MODES,
+    PACINGS,
+    Interrupted,
+    RunResult,
+    new_directory,
+    run_scenario,
+    scenario_beside,
+    start_vehicle,
+)
+from omni_vehicle_ros.scenarios import Scenario, load_scenario, scenario_directory, scenario_names
 
 EXIT_USAGE = 2
 GRACE = 10  # s, of an end by a signal
@@ -63,19 +74,31 @@ def run(
     out: Out = None,
     namespace: Namespace = '',
     clock: ClockOwner = True,
+    commands: Annotated[
+        Path | None,
+        typer.Option(
+            '--commands', metavar='BAG',
+            help="Bag of a run whose commands and environment to play in place of the scenario's.",
+        ),
+    ] = None,
 ) -> None:
     """Run a scenario; leave a bag, metrics.json and report.html in DIR."""
     choose('--mode', mode, MODES)
     choose('--pacing', pacing, PACINGS)
     loaded = load_scenario(scenario, settings or [])
     directory = out or Path('runs') / f'{loaded.name}-{time.strftime("%Y%m%d-%H%M%S")}'
+    run_to_the_end(
+        loaded, directory, mode=mode, pacing=pacing, namespace=namespace, publish_clock=clock, commands=commands
+    )
+
+
+def run_to_the_end(scenario: Scenario, directory: Path, **options: Any) -> None:
+    """Do as `run_scenario`, with a progress bar and a table of results."""
     from omni_vehicle_ros.console import ProgressBar, results_table
 
-    with ProgressBar(loaded.name, loaded.duration) as bar:
-        result: RunResult = run_scenario(
-            loaded, directory, mode=mode, pacing=pacing, namespace=namespace, publish_clock=clock, progress=bar.advance
-        )
-    results_table(loaded, result)
+    with ProgressBar(scenario.name, scenario.duration) as bar:
+        result: RunResult = run_scenario(scenario, directory, progress=bar.advance, **options)
+    results_table(scenario, result)
     if result.dead:
         raise RunError('; '.join(result.dead))
 
@@ -106,6 +129,67 @@ def start(
     print(f'bag     {directory / "bag"}\nreport  {directory / "report.html"}')
     if dead:
         raise RunError('; '.join(dead))
+
+
+@app.command()
+def replay(
+    bag: Annotated[Path, typer.Argument(help='Bag directory or file: MCAP, or what else rosbag2 writes.')],
+    rate: Annotated[float, typer.Option('--rate', metavar='R', help='Time of the bag over wall time.')] = 1.0,
+    start: Annotated[float, typer.Option('--start', metavar='S', help='Begin so far into the bag [s].')] = 0.0,
+    duration: Annotated[
+        float | None, typer.Option('--duration', metavar='D', help='How long, in time of the bag [s]. Default: all.')
+    ] = None,
+    topics: Annotated[
+        list[str] | None,
+        typer.Option('--topics', metavar='NAMES', help='Only these, with commas between; may be given again.'),
+    ] = None,
+    loop: Annotated[bool, typer.Option('--loop', help='Begin again at the end.')] = False,
+    clock: Annotated[
+        bool, typer.Option('--clock', help='Make /clock from the times of the messages, in place of that in the bag.')
+    ] = False,
+    commands_only: Annotated[
+        bool,
+        typer.Option(
+            '--commands-only',
+            help='Only what drives a vehicle: to the one that is running, with stamps that mean now; or with --out '
+            'to one of its own, in lock step, as it was recorded.',
+        ),
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            '--out', metavar='DIR',
+            help='With --commands-only: drive the vehicle of the scenario.yaml beside BAG; leave a bag, metrics.json '
+            'and report.html in DIR.',
+        ),
+    ] = None,
+    mode: Annotated[str, typer.Option('--mode', help=f'With --out; one of: {", ".join(MODES)}.')] = 'processes',
+) -> None:
+    """Publish the messages of a bag as they were recorded; services ~/pause, ~/resume and ~/step."""
+    from omni_vehicle_ros.bags.player import PlayerSettings
+
+    player = PlayerSettings(rate, start, duration, loop, clock)
+    names = tuple(name for entry in topics or [] for name in entry.split(',') if name)
+    if out is not None:
+        choose('--mode', mode, MODES)
+        if not commands_only or names or player != PlayerSettings():
+            raise RunError('--out: goes with --commands-only and --mode; the other options are for a plain replay')
+        from omni_vehicle_ros.components.recorded_commands import RecordedCommands
+
+        scenario = load_scenario(str(scenario_beside(bag)))
+        recorded = RecordedCommands(bag, scenario)
+        run_to_the_end(
+            scenario, out, mode=mode, namespace=recorded.namespace, publish_clock=recorded.has_clock, commands=bag
+        )
+        return
+    if commands_only and clock:
+        raise RunError('--clock: the vehicle that takes the commands has its own clock; leave one of both options out')
+    from omni_vehicle_ros.graph import network_environment
+
+    os.environ.update(network_environment())
+    from omni_vehicle_ros.nodes.replay import Replay, play
+
+    raise typer.Exit(play(Replay(bag, names, commands_only, player)))
 
 
 @app.command()
@@ -189,6 +273,123 @@ def draw_map(
     print(f'map     {directory / "map.png"}\ntables  {directory / "map.csv"}, {directory / "limit.csv"}')
 
 
+@app.command()
+def repair(
+    bag: Annotated[Path, typer.Argument(help='Bag directory, or one MCAP file; it is not touched.')],
+    out: Annotated[
+        Path | None,
+        typer.Option('--out', metavar='DIR', help='The new bag; must not exist. Default: <bag>_repaired, here.'),
+    ] = None,
+) -> None:
+    """Put all that makes sense in a bag that was cut off or damaged into a new one; say what is saved and lost."""
+    from omni_vehicle_ros.bags.repair import repair as repair_bag
+    from omni_vehicle_ros.console import ProgressBar
+
+    directory = out or Path(f'{bag.resolve().stem}_repaired')
+    with ProgressBar('repair', 100.0, '%') as bar:
+        result = repair_bag(bag, directory, lambda done: bar.advance(round(100.0 * done, 1)))
+    for line in result.lines:
+        print(line)
+
+
+@app.command('analyse')
+def analyse_bags(
+    bags: Annotated[
+        list[Path], typer.Argument(metavar='BAG...', help='Bag directories or files, or directories of runs.')
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option('--out', metavar='DIR', help='Directory for all; must not exist. Default: runs/analyse-<date>.'),
+    ] = None,
+    scenario: Annotated[
+        str | None,
+        typer.Option('--scenario', help='Whose limits and dimensions hold. Default: scenario.yaml beside the bag.'),
+    ] = None,
+    namespace: Annotated[
+        str | None, typer.Option('--namespace', help='Namespace of the vehicle. Default: that of the only one.')
+    ] = None,
+) -> None:
+    """Analyse any bag, or compare several; leave metrics.json and report.html in DIR."""
+    from omni_vehicle_ros.analysis.bag_analysis import analyse, read_subjects, write_analysis
+    from omni_vehicle_ros.console import ProgressBar
+
+    subjects = read_subjects(bags, load_scenario(scenario) if scenario else None)
+    directory = out or Path('runs') / f'analyse-{time.strftime("%Y%m%d-%H%M%S")}'
+    with new_directory(directory):
+        with ProgressBar('analyse', sum(subject.reader.size for subject in subjects), 'MB') as bar:
+            found = analyse(subjects, namespace, bar.advance)
+        write_analysis(found, directory)
+    for bag in found.metrics['bags']:
+        for topic, text in bag['missing'].items():
+            print(f'{bag["bag"]}: no {topic}: left out {text}')
+        for line in bag['damage']:
+            print(line)
+    print(f'metrics {directory / "metrics.json"}\nreport  {directory / "report.html"}')
+
+
+@app.command('export')
+def export_bag(
+    bag: Annotated[Path, typer.Argument(help='Bag directory, or one MCAP file.')],
+    out: Annotated[
+        Path | None,
+        typer.Option('--out', metavar='DIR', help='Directory for all; must not exist. Default: runs/export-<date>.'),
+    ] = None,
+    kind: Annotated[str, typer.Option('--format', help='One of: parquet, csv.')] = 'parquet',
+    topics: Annotated[
+        list[str] | None,
+        typer.Option('--topics', metavar='NAME', help='Full name of a topic; may be given again. Default: all.'),
+    ] = None,
+) -> None:
+    """Write a table for each topic of a bag, one column a field, with SI units."""
+    from omni_vehicle_ros.bags.export import FORMATS, export
+    from omni_vehicle_ros.console import ProgressBar
+
+    choose('--format', kind, FORMATS)
+    directory = out or Path('runs') / f'export-{time.strftime("%Y%m%d-%H%M%S")}'
+    with new_directory(directory), ProgressBar('export', 100.0, '%') as bar:
+        found = export(
+            bag, directory, kind=kind, topics=topics, progress=lambda done: bar.advance(round(100.0 * done, 1))
+        )
+        bar.advance(100.0)
+    for path, count in found.files.items():
+        print(f'{path}: {count} messages')
+    for topic, type_name in found.skipped.items():
+        print(f'{topic}: left out: the type {type_name} is not read here')
+    for line in found.damage:
+        print(line)
+
+
+bench = typer.Typer(no_args_is_help=True, help='Measure how fast this package is on this machine.')
+app.add_typer(bench, name='bench')
+
+
+@bench.callback()
+def bench_group() -> None:
+    """Measure how fast this package is on this machine."""
+
+
+@bench.command('bags')
+def bench_bags(
+    json_file: Annotated[
+        Path | None, typer.Option('--json', metavar='FILE', help='Write the result there, too.')
+    ] = None,
+) -> None:
+    """Read a bag as columns, beside mcap-ros2-support and beside reading and decompressing alone."""
+    from omni_vehicle_ros.bench.bags import ROUNDS, bench
+    from omni_vehicle_ros.console import ProgressBar
+
+    with ProgressBar('bench bags', ROUNDS + 1, 'rounds') as bar:
+        result = bench(bar.advance)
+        bar.advance(ROUNDS + 1)
+    for line in result.lines:
+        print(line)
+    if json_file is not None:
+        try:
+            json_file.write_text(json.dumps(result.as_json(), indent=2) + '\n', encoding='utf-8')
+        except OSError as error:
+            raise RunError(f'{json_file}: {error.strerror}') from None
+
+
 def choose(option: str, value: str, allowed: tuple[str, ...]) -> None:
     """Check a word against what is allowed."""
     if value not in allowed:
@@ -200,6 +401,15 @@ def interrupt(number: int, frame: FrameType | None) -> None:
     ignore_signals()
     signal.alarm(GRACE)  # kills this process, should a destructor or a callback have swallowed the exception
     raise Interrupted('interrupted', number)
+
+
+def own_arguments(arguments: list[str]) -> list[str]:
+    """Return what is not between ``--ros-args`` and ``--``: that is for the node, which finds it by itself."""
+    if '--ros-args' not in arguments:
+        return arguments
+    begin = arguments.index('--ros-args')
+    rest = arguments[begin:]
+    return arguments[:begin] + (own_arguments(rest[rest.index('--') + 1 :]) if '--' in rest else [])
 
 
 def ignore_signals() -> None:
@@ -214,7 +424,7 @@ def main() -> None:
         signal.signal(number, interrupt)
     try:
         try:
-            app()
+            app(own_arguments(sys.argv[1:]))
         finally:
             ignore_signals()
     except Interrupted as error:

@@ -39,7 +39,8 @@ class ProgressBar:
     """
 
     def __init__(self, name: str, total: float, unit: str = 's') -> None:
-        number = '{task.completed:.1f} of {task.total:.1f}' if unit == 's' else '{task.completed} of {task.total}'
+        form = ':.1f' if unit in ('s', 'MB') else ''
+        number = f'{{task.completed{form}}} of {{task.total{form}}}'
         columns = (
             TextColumn('{task.description}', markup=False),
             BarColumn(),

@@ -34,6 +34,12 @@ def omni_vehicle() -> None:
     main('cli')
 
 
+def analyse() -> None:
+    """Run the command ``omni_vehicle analyse``."""
+    sys.argv[:1] = ['omni_vehicle', 'analyse']
+    main('cli')
+
+
 def plant() -> None:
     """Run the node ``plant``."""
     main('nodes.plant')
@@ -62,6 +68,18 @@ def recorder() -> None:
 def driver() -> None:
     """Run the node ``driver``."""
     main('nodes.driver')
+
+
+def replay() -> None:
+    """Run the node ``replay``: the command of that name, but like any ROS node not limited to this machine."""
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
+    sys.argv.insert(1, 'replay')
+    main('cli')
+
+
+def odom_transform() -> None:
+    """Run the node ``odom_transform``."""
+    main('nodes.odom_transform')
 
 
 def vehicle() -> None:

@@ -44,7 +44,7 @@ class Graph:
         Which nodes to start.
     one_process
         All nodes in one process, instead of one process each.
-    pacing, namespace, publish_clock
+    pacing, namespace, publish_clock, commands
         As in :func:`omni_vehicle_ros.run.run_scenario`.
     """
 
@@ -58,6 +58,7 @@ class Graph:
         pacing: str,
         namespace: str = '',
         publish_clock: bool = True,
+        commands: Path | None = None,
     ) -> None:
         self.interrupted = 0  # or the number of the signal
         self.messages, self.lost = 0, 0
@@ -69,7 +70,7 @@ class Graph:
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._selector = selectors.DefaultSelector()
         settings = PacingParameters(pacing=pacing, participants=participants, publish_clock=publish_clock)
-        text = node_parameters(scenario, directory.resolve(), settings)
+        text = node_parameters(scenario, directory.resolve(), settings, commands)
         self._parameters.write_text(text, encoding='utf-8')
         (directory / 'log').mkdir()
 
@@ -195,16 +196,22 @@ class Graph:
 
 
 def node_environment() -> dict[str, str]:
+    """Return the environment of a node that ends with this process."""
+    return {**network_environment(), PARENT: str(os.getpid())}
+
+
+def network_environment() -> dict[str, str]:
     """Return the environment of a node: this machine only, found soon, unless the user has said otherwise."""
     environment = dict(os.environ)
     environment.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     environment.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(scenario_directory().parent / 'fastdds.xml'))
-    environment[PARENT] = str(os.getpid())
     return environment
 
 
-def node_parameters(scenario: Scenario, directory: Path, pacing: PacingParameters) -> str:
-    """Return the parameter file of all nodes of a scenario whose run lies in ``directory``."""
+def node_parameters(
+    scenario: Scenario, directory: Path, pacing: PacingParameters, commands: Path | None = None
+) -> str:
+    """Return the parameter file of all nodes of a scenario whose run lies in ``directory``; see `Graph`."""
     text = parameter_file(
         vehicle=scenario.vehicle,
         steering=scenario.steering,
@@ -213,9 +220,10 @@ def node_parameters(scenario: Scenario, directory: Path, pacing: PacingParameter
         plant=scenario.plant,
         pacing=pacing,
     )
-    paths = {DRIVER: {'scenario': 'scenario.yaml'}, RECORDER: {'directory': 'bag'}}
+    driver = {'scenario': directory / 'scenario.yaml', **({'commands': commands.resolve()} if commands else {})}
+    paths = {DRIVER: driver, RECORDER: {'directory': directory / 'bag'}}
     sections = {
-        f'/**/{node}': {'ros__parameters': {name: str(directory / file) for name, file in entry.items()}}
+        f'/**/{node}': {'ros__parameters': {name: str(path) for name, path in entry.items()}}
         for node, entry in paths.items()
     }
     return f'{text}\n{yaml.safe_dump(sections)}'

@@ -194,6 +194,7 @@ def run_scenario(
     pacing: str = 'lockstep',
     namespace: str = '',
     publish_clock: bool = True,
+    commands: Path | None = None,
     progress: Progress = lambda time: None,
 ) -> RunResult:
     """Run a scenario and analyse it.
@@ -208,6 +209,8 @@ def run_scenario(
         One of `MODES` and of `PACINGS`.
     namespace, publish_clock
         Of the vehicle, and whether it owns /clock.
+    commands
+        Bag of a run whose commands and environment to play in place of the scenario's.
     progress
         Called with the simulated time [s] now and then.
 
@@ -216,6 +219,8 @@ def run_scenario(
     RunError
         The directory exists, a node failed, an offline run was to keep real time, a command asks for what no wheel
         reaches, or the side-slip loop would diverge.
+    BagError
+        There are no commands in the bag.
     Interrupted
         A signal ended the nodes.
     """
@@ -224,6 +229,13 @@ def run_scenario(
     check_commands(scenario)
     check_loop(scenario, mode)
     check_namespace(namespace)
+    script = None
+    if commands is not None:
+        from omni_vehicle_ros.components.recorded_commands import RecordedCommands
+
+        script = RecordedCommands(commands, scenario)
+        text = f'Driven by the commands of {commands}.'
+        scenario = replace(scenario, description=text, commands=(), environment=(), values={})
     with new_directory(directory), _saying_what_lies_there(directory):
         (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
         progress(0.0)
@@ -232,7 +244,7 @@ def run_scenario(
         if mode == 'offline':
             from omni_vehicle_ros.simulation import simulate
 
-            journal = simulate(scenario, directory / 'bag', namespace, watch.advance)
+            journal = simulate(scenario, directory / 'bag', namespace, watch.advance, script)
             messages, lost = journal.written, journal.lost
         else:
             from omni_vehicle_ros.graph import Graph
@@ -245,11 +257,30 @@ def run_scenario(
                 pacing=pacing,
                 namespace=namespace,
                 publish_clock=publish_clock,
+                commands=commands,
             )
             _drive(graph, directory, scenario, watch.advance)
             messages, lost, dead = graph.messages, graph.lost, tuple(graph.dead.values())
         metrics = analyse(directory, scenario)
         return RunResult(directory, metrics, messages, lost, dead, watch.start, watch.rate)
+
+
+def scenario_beside(bag: Path) -> Path:
+    """Return the scenario of the run that a bag belongs to.
+
+    Raises
+    ------
+    RunError
+        There is none.
+    """
+    directory = bag.resolve() if bag.is_dir() else bag.resolve().parent
+    found = directory.parent / 'scenario.yaml'
+    if not found.is_file():
+        raise RunError(
+            f'{found} does not exist, so that nobody knows which vehicle it was; name one: '
+            f'omni_vehicle run SCENARIO --commands {bag}'
+        )
+    return found
 
 
 def _drive(graph: 'Graph', directory: Path, scenario: Scenario, progress: Progress) -> None:

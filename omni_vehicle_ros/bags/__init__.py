@@ -1,6 +1,7 @@
 """Bags: MCAP files in directories with ``metadata.yaml``, as rosbag2 makes them; without ROS."""
 
 from omni_vehicle_ros.bags.bag import Bag, TopicInfo, open_bag
+from omni_vehicle_ros.bags.blocks import read_blocks
 from omni_vehicle_ros.bags.columns import Columns
 from omni_vehicle_ros.bags.mcap_stream import MessageStream, RecordedMessage, read_messages
 from omni_vehicle_ros.bags.writer import BagWriter
@@ -13,5 +14,6 @@ __all__ = [
     'RecordedMessage',
     'TopicInfo',
     'open_bag',
+    'read_blocks',
     'read_messages',
 ]

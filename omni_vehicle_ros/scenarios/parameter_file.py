@@ -13,6 +13,7 @@ from omni_vehicle_ros.parameters import (
     PacingParameters,
     Parameters,
     PlantParameters,
+    RecorderParameters,
     SideSlipParameters,
     SteeringParameters,
     VehicleParameters,
@@ -33,11 +34,13 @@ def parameter_file(
     side_slip: SideSlipParameters,
     plant: PlantParameters,
     pacing: PacingParameters,
+    recorder: RecorderParameters | None = None,
 ) -> str:
     """Return the text of a ROS parameter file for all nodes of a vehicle, in any namespace.
 
     What several nodes declare stands under ``/**``, the rest under the node that declares it. Every
-    parameter has a comment with its meaning, its unit and what is allowed.
+    parameter has a comment with its meaning, its unit and what is allowed. Without ``recorder`` it has no
+    section.
     """
     sections: tuple[tuple[str, str, Iterator[str]], ...] = (
         (
@@ -54,6 +57,7 @@ def parameter_file(
             '/**/side_slip_controller', 'Gains: front left, front right, rear left, rear right.',
             _entries(side_slip, without=_SHARED),
         ),
+        *([('/**/recorder', 'What is recorded, and into what files.', _entries(recorder))] if recorder else ()),
     )
     blocks = ([f'# {text}', f'{node}:', '  ros__parameters:', *entries, ''] for node, text, entries in sections)
     return '\n'.join(chain.from_iterable(blocks))
@@ -86,7 +90,7 @@ def _plain(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, tuple):
         return f'[{", ".join(map(_plain, value))}]'
-    return value if isinstance(value, str) else repr(value)
+    return (value or "''") if isinstance(value, str) else repr(value)
 
 
 def default_parameter_file() -> str:
@@ -98,6 +102,7 @@ def default_parameter_file() -> str:
         side_slip=SideSlipParameters(),
         plant=PlantParameters(),
         pacing=PacingParameters(),
+        recorder=RecorderParameters(),
     )
 
 

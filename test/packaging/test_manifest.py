@@ -10,10 +10,15 @@ import pytest
 from omni_vehicle_ros import interface
 
 # What a package of PyPI is called by rosdep and in an import, where that is not its own name.
-ROSDEP_KEYS = {'pyyaml': 'python3-yaml', 'rosbags': 'python3-rosbags-pip', 'lz4': None, 'mcap': None, 'zstandard': None}
-IMPORT_NAMES = {'pyyaml': 'yaml'}
+ROSDEP_KEYS = {
+    'pyyaml': 'python3-yaml', 'rosbags': 'python3-rosbags-pip', 'lz4': None, 'mcap': None, 'pyarrow': None,
+    'zstandard': None,
+}
+IMPORT_NAMES = {'pyyaml': 'yaml', 'mcap-ros2-support': 'mcap_ros2'}
+# What is no node of a run.
+OTHER_EXECUTABLES = ('analyse', 'odom_transform', 'omni_vehicle', 'replay', 'vehicle')
 # Parts of ROS 2 that have no wheel: their users have a ROS installation.
-ONLY_WITH_ROS = {'launch', 'launch_ros', 'tf2_msgs'}
+ONLY_WITH_ROS = {'launch', 'launch_ros', 'robot_state_publisher', 'rviz2', 'tf2_msgs'}
 
 
 @pytest.fixture(scope='module')
@@ -76,7 +81,8 @@ def test_rosdep_keys_are_the_run_time_requirements(manifest, setup_arguments):
 
 
 def test_all_that_is_imported_is_declared(root, manifest, setup_arguments):
-    python = {IMPORT_NAMES.get(name, name) for name in run_time(setup_arguments)}
+    declared = run_time(setup_arguments) | set(setup_arguments['extras_require']['bench'])
+    python = {IMPORT_NAMES.get(name, name) for name in declared}
     assert imports(root) <= python | ros_packages(manifest)
 
 
@@ -101,14 +107,14 @@ def test_every_executable_has_its_module_and_every_node_its_executable(setup_arg
         name, module, function = re.fullmatch(r'(\w+) = ([\w.]+):(\w+)', line).groups()
         executables[name] = getattr(importlib.import_module(module), function)
     assert all(map(callable, executables.values()))
-    assert {role.split('/')[-1] for role in interface.NODES} | {'omni_vehicle', 'vehicle'} == set(executables)
+    assert {role.split('/')[-1] for role in interface.NODES} | {*OTHER_EXECUTABLES} == set(executables)
 
 
-def test_all_files_of_config_and_launch_are_installed(root, setup_arguments):
+def test_all_files_for_users_are_installed(root, setup_arguments):
     installed = {path for _, paths in setup_arguments['data_files'] for path in paths}
     present = {
         str(path.relative_to(root))
-        for folder in ('config', 'launch')
+        for folder in ('config', 'launch', 'rviz', 'urdf')
         for path in (root / folder).rglob('*')
         if path.is_file() and path.suffix != '.pyc'
     }

@@ -17,6 +17,7 @@ DECLARED = {
     '/**/icr_steering': (parameters.SteeringParameters,),
     '/**/wheel_module': (parameters.WheelModuleParameters,),
     '/**/side_slip_controller': (parameters.SideSlipParameters,),
+    '/**/recorder': (parameters.RecorderParameters,),
 }
 
 
