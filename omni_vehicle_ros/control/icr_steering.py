@@ -301,8 +301,7 @@ class IcrSteering:
         if abs(magnitude) <= most or motion is None or angle_between(motion, slid) > _OTHER_MOTION:
             self._too_fast = None
             return magnitude
-        text = f'no faster than {most:.2g} m/s after a slide, until a slower or another motion is commanded'
-        self._notes.append((WARN, text))
+        self._notes.append((WARN, 'slower after a slide, until a slower or another motion is commanded'))
         return math.copysign(most, magnitude)
 
     def _brake(self) -> PerWheel:
