@@ -12,8 +12,8 @@ from typing import Annotated, Any
 import typer
 
 from omni_vehicle_ros import __version__
+from omni_vehicle_ros.ending import ENDING, EXIT_SIGNAL
 from omni_vehicle_ros.errors import OmniVehicleError, RunError
-from omni_vehicle_ros.executables import ENDING, EXIT_SIGNAL
 from omni_vehicle_ros.run import (
     MODES,
     PACINGS,

@@ -5,19 +5,7 @@ import os
 import signal
 import sys
 
-ENDING = (signal.SIGINT, signal.SIGTERM)
-EXIT_SIGNAL = 128
-"""Plus the number of the signal: exit code of a command that a signal ended, as shells have it."""
-
-
-def hold_signals() -> None:
-    """Keep SIGINT and SIGTERM pending until there is someone to handle them."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
-
-
-def release_signals() -> None:
-    """Let SIGINT and SIGTERM through, those that came meanwhile included."""
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+from omni_vehicle_ros.ending import ENDING, EXIT_SIGNAL, release_signals
 
 
 def main(module: str) -> None:

@@ -12,8 +12,8 @@ from typing import IO, Any
 
 import yaml
 
+from omni_vehicle_ros.ending import ENDING, hold_signals, release_signals
 from omni_vehicle_ros.errors import RunError
-from omni_vehicle_ros.executables import ENDING, hold_signals, release_signals
 from omni_vehicle_ros.interface import DRIVER, PLANT, RECORDER, resolve
 from omni_vehicle_ros.parameters import PacingParameters
 from omni_vehicle_ros.scenarios import Scenario, scenario_directory

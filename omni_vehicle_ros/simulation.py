@@ -17,6 +17,7 @@ from omni_vehicle_ros.components.plant import Plant
 from omni_vehicle_ros.components.side_slip_controller import SideSlipController
 from omni_vehicle_ros.components.wheel_module import WheelModule
 from omni_vehicle_ros.control.health import health
+from omni_vehicle_ros.ending import Uninterrupted
 from omni_vehicle_ros.errors import ScenarioError
 from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER, TOPICS, WHEEL_MODULES
 from omni_vehicle_ros.messages import encode
@@ -147,13 +148,17 @@ def simulate(
     script: Script | None = None,
 ) -> Journal:
     """Run a scenario offline, or what ``script`` says in it, and write its bag; return what the recording counted."""
-    writer = BagWriter(bag)
-    journal = Journal(writer, namespace, round(scenario.plant.control_period * 1e9))
-    try:
-        _run_into(journal, scenario, namespace, progress, script)
-    finally:
-        journal.flush()
-        writer.close()
+    with Uninterrupted() as signals, BagWriter(bag) as writer:
+        journal = Journal(writer, namespace, round(scenario.plant.control_period * 1e9))
+
+        def advance(time: float) -> None:
+            progress(time)
+            signals.deliver()
+
+        try:
+            _run_into(journal, scenario, namespace, advance, script)
+        finally:
+            journal.flush()
     return journal
 
 

@@ -15,8 +15,8 @@ from rclpy.experimental import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
+from omni_vehicle_ros.ending import ENDING
 from omni_vehicle_ros.errors import OmniVehicleError
-from omni_vehicle_ros.executables import ENDING
 
 RCLError = rclpy_implementation.RCLError
 

@@ -11,8 +11,8 @@ from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import Any, TypeVar
 
+from omni_vehicle_ros.ending import Uninterrupted, hold_signals, release_signals
 from omni_vehicle_ros.errors import OmniVehicleError, RunError
-from omni_vehicle_ros.executables import ENDING, hold_signals, release_signals
 from omni_vehicle_ros.model.warm import warm
 from omni_vehicle_ros.thesis.tasks import Results, Task
 
@@ -160,15 +160,10 @@ def _uninterrupted_start() -> Iterator[None]:
 
     Workers inherit that signals are held. Here they still come, by way of other threads, and are kept for the end.
     """
-    came: list[int] = []
-    before = {number: signal.signal(number, lambda number, _: came.append(number)) for number in ENDING}
-    resource_tracker.ensure_running()  # it would let the signals through on its own start
-    hold_signals()
-    try:
-        yield
-    finally:
-        release_signals()
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        if came:
-            signal.raise_signal(came[0])
+    with Uninterrupted():
+        resource_tracker.ensure_running()  # it would let the signals through on its own start
+        hold_signals()
+        try:
+            yield
+        finally:
+            release_signals()
