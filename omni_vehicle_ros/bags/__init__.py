@@ -3,7 +3,8 @@
 from omni_vehicle_ros.bags.bag import Bag, TopicInfo, open_bag
 from omni_vehicle_ros.bags.blocks import read_blocks
 from omni_vehicle_ros.bags.columns import Columns
-from omni_vehicle_ros.bags.mcap_stream import MessageStream, RecordedMessage, read_messages
+from omni_vehicle_ros.bags.mcap_file_reader import RecordedMessage
+from omni_vehicle_ros.bags.mcap_stream import MessageStream, read_messages
 from omni_vehicle_ros.bags.writer import BagWriter
 
 __all__ = [

@@ -1,14 +1,17 @@
 """Bags of any size as columns, block by block."""
 
 import sys
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Generator, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 from omni_vehicle_ros.bags.columns import Columns
 from omni_vehicle_ros.bags.kernel import compiled_walk
 from omni_vehicle_ros.bags.lanes import Lanes, Topic
-from omni_vehicle_ros.bags.mcap_stream import CHANNEL, RECORD, DamageError, FileReader, MessageStream, read_messages
+from omni_vehicle_ros.bags.mcap_file_reader import McapFileReader
+from omni_vehicle_ros.bags.mcap_stream import MessageStream, read_messages
+from omni_vehicle_ros.bags.read_ahead import read_ahead
+from omni_vehicle_ros.bags.records import CHANNEL, RECORD, DamageError
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.messages import VALUE_TYPES
 
@@ -147,13 +150,13 @@ class BlockReader:
             if columns is not None:
                 yield Block(topic.name, topic.type_name, columns)
 
-    def _fill(self, reader: FileReader) -> Iterator[tuple[int, None]]:
+    def _fill(self, reader: McapFileReader) -> Generator[tuple[int, None], None, None]:
         """Take the messages of a file; when there is no more room, and at the end, give how many they were."""
         damage: DamageError | None = None
         given = self._taken
         self._lanes.forget_channels()
         try:
-            for piece in reader.pieces():
+            for piece in read_ahead(reader.pieces()) if self._lanes.compiled else reader.pieces():
                 for _ in self._take(reader, piece):
                     yield self._taken - given, None
                     given = self._taken
@@ -167,7 +170,7 @@ class BlockReader:
     def _taken(self) -> int:
         return int(self._lanes.counts[:, 0].sum())
 
-    def _take(self, reader: FileReader, piece: bytes) -> Iterator[None]:
+    def _take(self, reader: McapFileReader, piece: bytes) -> Iterator[None]:
         """Take the messages of a piece; stop wherever there is no more room."""
         position = self._lanes.walk(piece, 0)
         while position < len(piece):
@@ -182,7 +185,7 @@ class BlockReader:
                 self._add_channel(reader, piece[position + RECORD.size :])
             position = self._lanes.walk(piece, after)
 
-    def _add_channel(self, reader: FileReader, record: bytes) -> None:
+    def _add_channel(self, reader: McapFileReader, record: bytes) -> None:
         channel = int.from_bytes(record[:2], 'little')
         key = reader.channels[channel]
         if key not in self._numbers:

@@ -93,7 +93,7 @@ def columns_of_rows(topic: str, type_name: str, log_times: Array, value: Any) ->
     log_times
         When they were recorded [ns], shape (n,).
     value
-        As `messages.rows.RowLayout.value` gives it: one value, with columns in place of numbers. They are copied.
+        As `messages.rows.RowLayout.value` gives it: one value, with columns in place of numbers. They are not copied.
     """
     hints = _hints(type_name)
     fields = value._asdict()
@@ -105,21 +105,23 @@ def columns_of_rows(topic: str, type_name: str, log_times: Array, value: Any) ->
         _add_time(arrays, 'end', fields.pop('end'))
     for name, entry in fields.items():
         if hints[name] is float:
-            arrays[name] = np.array(entry)
+            arrays[name] = entry
         elif hints[name] in _MAKERS:
             arrays[name] = _stack(entry, named, names, len(log_times), (3,) if hints[name] == FORCES else ())
         else:
-            arrays[name] = np.repeat(_objects([entry], [], ()), len(log_times))
+            arrays[name] = np.broadcast_to(_objects([entry], [], ()), len(log_times))
     _add_time(arrays, 'log_time', log_times)
     return Columns(topic, type_name, names, arrays)
 
 
 def _stack(
-    entry: tuple[Any, ...], named: tuple[str, ...], names: tuple[str, ...], count: int, shape: tuple[int, ...]
+    entry: Sequence[Any] | Array, named: tuple[str, ...], names: tuple[str, ...], count: int, shape: tuple[int, ...]
 ) -> Array:
-    """Return the column of joints whose numbers, or triples of them, are columns."""
+    """Return the column of joints whose numbers, or triples of them, are columns; as an array, shape (joints, n)."""
     if len(entry) != len(named):
         return np.full((count, len(names), *shape), np.nan)
+    if isinstance(entry, np.ndarray) and named == names:
+        return entry.T
     last = dict(zip(named, entry, strict=True))
     whole = np.array([last[name] for name in names], np.float64).reshape(len(names), *shape, count)
     return np.moveaxis(whole, -1, 0)
@@ -166,7 +168,7 @@ def _hints(type_name: str) -> dict[str, Any]:
 
 
 def _add_time(arrays: dict[str, Array], name: str, times: Sequence[int] | Array) -> None:
-    nanoseconds = np.array(times, dtype=np.int64)
+    nanoseconds = np.asarray(times, dtype=np.int64)
     arrays[name] = nanoseconds * 1e-9
     arrays[f'{name}_ns'] = nanoseconds
 

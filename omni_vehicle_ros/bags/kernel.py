@@ -24,7 +24,7 @@ def compiled_walk() -> Walk | None:
     try:
         from numba import config, njit
 
-        return None if config.DISABLE_JIT else njit(cache=True)(walk)
+        return None if config.DISABLE_JIT else njit(cache=True, nogil=True)(walk)
     except (ImportError, RuntimeError):  # RuntimeError: no place for the cache
         return None
 
@@ -76,10 +76,12 @@ def walk(
         lane = topics[topic, 2]
         if lane != -2:
             begin = position + 31
+            number = 0
             while lane >= 0:
+                number = lanes[lane, NUMBERS]
                 fits = lanes[lane, LENGTH] == length - 22
                 if fits:
-                    for word in range(lanes[lane, CONSTANTS], lanes[lane, NUMBERS]):
+                    for word in range(lanes[lane, CONSTANTS], number):
                         if (words[begin + places[word]] ^ constants[word]) & masks[word]:
                             fits = False
                             break
@@ -88,11 +90,13 @@ def walk(
                 lane = lanes[lane, NEXT]
             if lane < 0 or topics[topic, 1] >= capacity:
                 break
+            # Taken out of the arrays before those are written to, so that the loop need not look again every time.
             cell = lanes[lane, STORE] + lanes[lane, COUNT] * lanes[lane, WIDTH]
-            store[cell], store[cell + 1] = log_time, topics[topic, 1]
-            for word in range(lanes[lane, NUMBERS], lanes[lane, LAST]):
-                store[cell + 2 + word - lanes[lane, NUMBERS]] = words[begin + places[word]]
+            last = lanes[lane, LAST]
             lanes[lane, COUNT] += 1
+            store[cell], store[cell + 1] = log_time, topics[topic, 1]
+            for word in range(number, last):
+                store[cell + 2 + word - number] = words[begin + places[word]]
             topics[topic, 1] += 1
         topics[topic, 0] += 1
         position += 9 + int(length)

@@ -65,6 +65,11 @@ class Lanes:
         self._stored = 0
         self.odd_bytes = 0
 
+    @property
+    def compiled(self) -> bool:
+        """Whether there is a loop over messages."""
+        return self._walk is not None
+
     def forget_channels(self) -> None:
         """Let no channel have a topic, as at the begin of a file."""
         self.topic_of = array('i', [-1]) * CHANNELS
@@ -159,12 +164,13 @@ class Lanes:
         parts = []
         for lane, layout in topic.lanes:
             count, width, begin = self._lanes[lane, COUNT], 2 + len(layout.numbers), self._lanes[lane, STORE]
-            rows = self._store[begin : begin + count * width].reshape(count, width)
             self._lanes[lane, COUNT] = 0
             if count:
-                times = rows[:, 0].astype(np.int64)
-                columns = columns_of_rows(topic.name, topic.type_name, times, layout.value(rows[:, 2:]))
-                parts.append((columns, rows[:, 1].astype(np.int64)))
+                # One copy, and the columns are views of it: each to be copied by itself takes four times as long.
+                rows = self._store[begin : begin + count * width].reshape(count, width).copy()
+                log_times, value = rows[:, 0].view(np.int64), layout.value(rows[:, 2:])
+                columns = columns_of_rows(topic.name, topic.type_name, log_times, value)
+                parts.append((columns, rows[:, 1].view(np.int64)))
         return parts
 
 

@@ -19,7 +19,7 @@ from omni_vehicle_ros.bags.definitions import (
     read_metadata_record,
     read_statistics,
 )
-from omni_vehicle_ros.bags.mcap_stream import CHANNEL, CHUNK, FOOTER, MAGIC, MESSAGE, RECORD, SCHEMA, DamageError
+from omni_vehicle_ros.bags.records import CHANNEL, CHUNK, FOOTER, MAGIC, MESSAGE, RECORD, SCHEMA, DamageError
 
 FILE_HEADER, MESSAGE_INDEX, ATTACHMENT, STATISTICS, METADATA, DATA_END = 1, 7, 9, 11, 12, 15
 LARGEST_EXTRAS = 1000

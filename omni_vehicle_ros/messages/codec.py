@@ -48,7 +48,7 @@ class CachedCodec(Codec):
         """Return the shape and the numbers of any message."""
 
     @abstractmethod
-    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Any:
+    def value(self, shape: Any, numbers: Any) -> Any:
         """Return the value that shape and numbers make; of columns of numbers, a value of columns."""
 
     def layout(self, shape: Any) -> Layout:
@@ -150,7 +150,7 @@ class StampedCodec(CachedCodec):
         stamp = reader.stamp()
         return tuple(reader.string() for _ in range(self._strings)), stamp + reader.numbers(self._form)
 
-    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Any:
+    def value(self, shape: Any, numbers: Any) -> Any:
         """Return the value."""
         stamp = numbers[0] * SECOND + numbers[1]
         if self._from_wire is not None:

@@ -96,7 +96,7 @@ class JointsCodec(CachedCodec):
         arrays = [reader.doubles() for _ in range(3)]
         return (names, frame, *map(len, arrays)), stamp + tuple(chain.from_iterable(arrays))
 
-    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Joints:
+    def value(self, shape: Any, numbers: Any) -> Joints:
         """Return the value."""
         names, frame, positions, velocities, _ = shape
         second = 2 + positions
@@ -134,7 +134,7 @@ class ForcesCodec(CachedCodec):
         length = reader.count(48)
         return (names, frame, length), stamp + reader.numbers('3d24x' * length)
 
-    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Forces:
+    def value(self, shape: Any, numbers: Any) -> Forces:
         """Return the value."""
         names, frame, _ = shape
         forces = tuple(zip(numbers[2::3], numbers[3::3], numbers[4::3], strict=True))
@@ -166,7 +166,7 @@ class StepCodec(CachedCodec):
         end, source = reader.stamp(), reader.string()
         return tuple(source.split()), stamp + end
 
-    def value(self, shape: Any, numbers: tuple[Any, ...]) -> Step:
+    def value(self, shape: Any, numbers: Any) -> Step:
         """Return the value."""
         seconds, nanoseconds, end_seconds, end_nanoseconds = numbers
         return Step(seconds * SECOND + nanoseconds, end_seconds * SECOND + end_nanoseconds, shape)

@@ -2,6 +2,7 @@
 
 import re
 import struct
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -56,18 +57,45 @@ class RowLayout:
         self._stamps = len(stamps)
 
     def value(self, rows: NDArray[np.uint64]) -> Any:
-        """Return the value of messages: in place of each number a column, shape (n,).
+        """Return the value of messages: in place of each number a column, shape (n,), that looks into ``rows``.
 
         Parameters
         ----------
         rows
             The words `numbers` of each message, shape (n, numbers).
         """
-        stamps: list[NDArray[np.int64]] = []
-        for words in np.ascontiguousarray(rows[:, : self._stamps].T):
-            stamps += words.view('<i4')[::2].astype(np.int64), words.view('<u4')[1::2].astype(np.int64)
+        seconds, nanoseconds = rows.view('<i4')[:, ::2], rows.view('<u4')[:, 1::2]
+        times = [part[:, stamp].astype(np.int64) for stamp in range(self._stamps) for part in (seconds, nanoseconds)]
         with np.errstate(all='ignore'):
-            return self._value(self._shape, (*stamps, *rows[:, self._stamps :].view('<f8').T))
+            return self._value(self._shape, Numbers(times, rows[:, self._stamps :].view('<f8').T))
+
+
+class Numbers(Sequence[Any]):
+    """The numbers of messages as columns: those of stamps, then float64, of which a slice is one array.
+
+    Parameters
+    ----------
+    times
+        Seconds and nanoseconds of each stamp, each of shape (n,).
+    doubles
+        Shape (numbers, n).
+    """
+
+    def __init__(self, times: list[NDArray[np.int64]], doubles: NDArray[np.float64]) -> None:
+        self._times = times
+        self._doubles = doubles
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self._times) + len(self._doubles)
+
+    def __getitem__(self, place: Any) -> Any:
+        """Return a column, or the columns of a slice that begins behind the stamps."""
+        first = len(self._times)
+        if isinstance(place, slice):
+            begin, end, step = place.indices(len(self))
+            return self._doubles[begin - first : end - first : step]
+        return self._times[place] if place < first else self._doubles[place - first]
 
 
 def _words(content: bytearray, begins: list[int]) -> NDArray[np.uint64]:
