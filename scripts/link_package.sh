@@ -15,7 +15,7 @@ rm -rf "$share"
 
 mkdir -p "$index" "$share/launch" "$lib"
 ln -sf "../../../../../resource/$package" "$index/$package"
-ln -s ../../../package.xml ../../../config "$share"
+ln -s ../../../package.xml ../../../config ../../../rviz ../../../urdf "$share"
 # One by one: ros2 launch looks into no linked folder.
 for file in launch/*.launch.py; do
     ln -s "../../../../$file" "$share/$file"

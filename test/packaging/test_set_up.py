@@ -44,7 +44,7 @@ def test_make_says_when_there_is_no_python(root, tmp_path):
     assert not venv.exists()
 
 
-def test_virtual_environment_is_an_ament_prefix(root, monkeypatch):
+def test_virtual_environment_is_an_ament_prefix(root, setup_arguments, monkeypatch):
     index = pytest.importorskip('ament_index_python.packages')
     prefix = Path(sys.prefix)
     if not (prefix / 'setup.stamp').exists():
@@ -52,7 +52,9 @@ def test_virtual_environment_is_an_ament_prefix(root, monkeypatch):
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(prefix))
     share = Path(index.get_package_share_directory('omni_vehicle_ros'))
     assert share == prefix / 'share' / 'omni_vehicle_ros'
-    for item in ('package.xml', 'config/vehicle.yaml', 'launch/vehicle.launch.py'):
-        assert (share / item).resolve() == root / item
+    for folder, paths in setup_arguments['data_files']:
+        if folder.startswith('share/omni_vehicle_ros'):
+            for path in paths:
+                assert (prefix / folder / Path(path).name).resolve() == root / path
     for executable in (prefix / 'lib' / 'omni_vehicle_ros').iterdir():
         assert executable.resolve() == prefix / 'bin' / executable.name
