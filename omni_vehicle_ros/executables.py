@@ -61,7 +61,7 @@ def driver() -> None:
 def replay() -> None:
     """Run the node ``replay``: the command of that name, but like any ROS node not limited to this machine."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
-    sys.argv.insert(1, 'replay')
+    sys.argv[:1] = ['omni_vehicle', 'replay']
     main('cli')
 
 

@@ -72,9 +72,18 @@ def test_every_plot_shows_numbers_of_our_topics(layout):
     assert {'/tyres/side_slip', '/joint_states', '/odom', '/commanded_twist', '/tyres/force'} <= shown
 
 
+def test_every_plot_has_a_title_for_foxglove_and_for_lichtblick(layout):
+    titles = [
+        (panel['foxglovePanelTitle'], panel['lichtblickPanelTitle'])
+        for name, panel in layout['configById'].items() if name.startswith('Plot!')
+    ]
+    assert all(one == other for one, other in titles)
+    assert len(set(titles)) == len(titles)
+
+
 def test_other_panels_name_our_topics(layout):
-    view = layout['configById']['3D!path']
-    assert set(view['topics']) <= set(topics())
+    view = layout['configById']['3D!vehicle']
+    assert 'topics' not in view, 'the 3D panels of both draw neither Odometry nor PointStamped'
     assert view['followTf'] == interface.BASE_FRAME
     assert {layer['topic'] for layer in view['layers'].values() if 'topic' in layer} <= OTHERS
     assert {layer['frameId'] for layer in view['layers'].values() if 'frameId' in layer} == {interface.ODOM_FRAME}
