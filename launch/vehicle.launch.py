@@ -1,5 +1,7 @@
 """Start one vehicle: plant, four wheel modules, ICR steering, side-slip controller and, when asked, a recorder."""
 
+from pathlib import Path
+
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
@@ -44,8 +46,20 @@ def arguments() -> list[DeclareLaunchArgument]:
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """Return the nodes that the arguments ask for."""
-    value = {name: LaunchConfiguration(name).perform(context) for name in ('namespace', 'record', 'publish_clock')}
+    """Return the nodes that the arguments ask for.
+
+    Raises
+    ------
+    ValueError
+        The file of the parameters is not there, or the directory to record in is: with the one launch_ros would start
+        a vehicle of defaults, with the other the recorder would end, and the vehicle would drive unrecorded.
+    """
+    names = ('namespace', 'params_file', 'record', 'publish_clock')
+    value = {name: LaunchConfiguration(name).perform(context) for name in names}
+    if not Path(value['params_file']).is_file():
+        raise ValueError(f'params_file: {value["params_file"]} is not a file')
+    if value['record'] and Path(value['record']).exists():
+        raise ValueError(f'record: {value["record"]} exists; name a directory that does not')
     vehicle = value['namespace'].rstrip('/')
     participants = [*PacingParameters().participants, *(['recorder'] if value['record'] else [])]
 

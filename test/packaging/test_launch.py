@@ -2,12 +2,15 @@
 
 import runpy
 import sys
+from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 import pytest
 
 from omni_vehicle_ros.parameters import PacingParameters
 from omni_vehicle_ros.wheels import WHEELS
+
+PARAMETERS = Path(__file__).parents[2] / 'config' / 'vehicle.yaml'
 
 
 class Recorded:
@@ -45,7 +48,7 @@ def launch_file(root, monkeypatch):
 
 def started(launch_file, **values):
     """Return the nodes by their full names."""
-    context = {'namespace': '', 'record': '', 'publish_clock': 'true', **values}
+    context = {'namespace': '', 'params_file': str(PARAMETERS), 'record': '', 'publish_clock': 'true', **values}
     nodes = launch_file.nodes(context)
     assert all(node.name == node.executable and node.package == 'omni_vehicle_ros' for node in nodes)
     return {f'{node.namespace}/{node.name}': node for node in nodes}
@@ -98,3 +101,13 @@ def test_the_file_comes_before_the_arguments(launch_file):
         assert node.parameters[0].arguments == ('params_file',)
         assert own(node)['pacing'].arguments == ('pacing',)
         assert own(node)['use_sim_time'].arguments == ('use_sim_time',)
+
+
+def test_no_vehicle_of_defaults_starts_for_want_of_a_file(launch_file):
+    with pytest.raises(ValueError, match=r'^params_file: none\.yaml is not a file$'):
+        started(launch_file, params_file='none.yaml')
+
+
+def test_no_vehicle_starts_whose_recorder_would_end(launch_file, tmp_path):
+    with pytest.raises(ValueError, match=r'^record: .* exists; name a directory that does not$'):
+        started(launch_file, record=str(tmp_path))
