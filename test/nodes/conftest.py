@@ -1,7 +1,6 @@
 """Real graphs over Fast DDS: each test in a domain of its own, and nothing left running after it."""
 
 import contextlib
-import itertools
 import os
 import signal
 import subprocess
@@ -13,9 +12,10 @@ from pathlib import Path
 
 import pytest
 
+from .domains import held_domain
+
 TOKEN = 'OMNI_VEHICLE_TEST'
 LIMIT = 120.0
-_domains = itertools.count(os.getpid())
 
 SHORT = """
 description: a short drive with everything in the loop
@@ -42,12 +42,12 @@ class Lab:
         Of all processes.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, domain: int) -> None:
         self.path = path
         self.token = uuid.uuid4().hex
         self.environment = {
             **os.environ,
-            'ROS_DOMAIN_ID': str(1 + next(_domains) % 100),
+            'ROS_DOMAIN_ID': str(domain),
             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
             TOKEN: self.token,
         }
@@ -123,8 +123,9 @@ def until(condition: Callable[[], bool], what: str, limit: float = LIMIT) -> Non
 @pytest.fixture
 def lab(tmp_path: Path) -> Iterator[Lab]:
     """Return a place to start processes in; at the end none of them may be left."""
-    lab = Lab(tmp_path)
-    yield lab
-    left = lab.left()
-    lab.clean()
+    with held_domain() as domain:
+        lab = Lab(tmp_path, domain)
+        yield lab
+        left = lab.left()
+        lab.clean()
     assert not left, f'processes left running: {left}'
