@@ -1,21 +1,25 @@
 """A process that publishes: run by the tests of the recorder.
 
 ``publishers.py flood FIRST TOPICS RATE SECONDS``: small messages on TOPICS topics, RATE a second on each, numbered from
-0 in their stamps. Says what it sent, and at what rate.
+0 in their stamps; before them some with the stamp -1, until the recorder says on /diagnostics that it hears each topic.
+Says what it sent, and at what rate.
 
 ``publishers.py mixed``: one message on a latched topic before anybody listens, then slowly others until it is killed.
 
 ``publishers.py call SERVICE``: calls a Trigger and prints the answer.
 """
 
+import re
 import sys
 import time
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
@@ -34,9 +38,7 @@ def flood(node: Node, first: str, topics: str, rate: str, seconds: str) -> None:
         node.create_publisher(TwistStamped, f'flood/t{int(first) + number}', DEPTH) for number in range(int(topics))
     ]
     template = bytearray(serialize_message(TwistStamped()))
-    while not all(publisher.get_subscription_count() for publisher in publishers):
-        time.sleep(0.02)
-    time.sleep(0.5)  # that one side has matched does not mean that the other has
+    await_heard(node, publishers, template)
     total = int(int(rate) * float(seconds))
     begin, sent = time.monotonic(), 0
     while sent < total:
@@ -52,6 +54,24 @@ def flood(node: Node, first: str, topics: str, rate: str, seconds: str) -> None:
     for publisher in publishers:
         publisher.wait_for_all_acked(Duration(seconds=10))
     print('sent', sent, round(sent * len(publishers) / took), flush=True)
+
+
+def await_heard(node: Node, publishers: list[Publisher], template: bytearray) -> None:
+    """Publish on each topic until the recorder counts messages of it: that we have matched does not mean that it has."""
+    unheard = {publisher.topic_name: publisher for publisher in publishers}
+
+    def note(array: DiagnosticArray) -> None:
+        for value in (value for status in array.status for value in status.values):
+            if re.search(r', [1-9]\d* messages, ', value.value):
+                unheard.pop(value.key, None)
+
+    subscription = node.create_subscription(DiagnosticArray, '/diagnostics', note, 10)
+    template[4:8] = (-1).to_bytes(4, 'little', signed=True)
+    while unheard:
+        for publisher in unheard.values():
+            publisher.publish(bytes(template))
+        rclpy.spin_once(node, timeout_sec=0.05)
+    node.destroy_subscription(subscription)
 
 
 def mixed(node: Node) -> None:
