@@ -244,7 +244,9 @@ def run_scenario(
         if mode == 'offline':
             from omni_vehicle_ros.simulation import simulate
 
-            journal = simulate(scenario, directory / 'bag', namespace, watch.advance, script)
+            journal = simulate(
+                scenario, directory / 'bag', namespace, watch.advance, script, publish_clock=publish_clock
+            )
             messages, lost = journal.written, journal.lost
         else:
             from omni_vehicle_ros.graph import Graph

@@ -40,6 +40,8 @@ class Simulation:
         Of the vehicle.
     script
         What the driver goes by in place of the scenario's commands.
+    publish_clock
+        Whether the vehicle owns /clock.
 
     Raises
     ------
@@ -53,6 +55,8 @@ class Simulation:
         take: Callable[[Output], None],
         namespace: str = '',
         script: Script | None = None,
+        *,
+        publish_clock: bool = True,
     ) -> None:
         period = scenario.plant.control_period
         self._take = take
@@ -63,7 +67,10 @@ class Simulation:
 
         gains = exact_gains(scenario)
         controlled = scenario.side_slip_control and gains is None
-        self.plant = Plant(scenario.vehicle, scenario.plant, name=name(interface.PLANT), slip_gain=gains or ZEROS)
+        self.plant = Plant(
+            scenario.vehicle, scenario.plant, name=name(interface.PLANT), slip_gain=gains or ZEROS,
+            publish_clock=publish_clock,
+        )
         modules = [
             WheelModule(
                 role.split('/')[0], scenario.wheel_module, period, scenario.side_slip.trim_limit,
@@ -146,6 +153,8 @@ def simulate(
     namespace: str = '',
     progress: Callable[[float], None] = lambda time: None,
     script: Script | None = None,
+    *,
+    publish_clock: bool = True,
 ) -> Journal:
     """Run a scenario offline, or what ``script`` says in it, and write its bag; return what the recording counted."""
     with Uninterrupted() as signals, BagWriter(bag) as writer:
@@ -156,7 +165,7 @@ def simulate(
             signals.deliver()
 
         try:
-            _run_into(journal, scenario, namespace, advance, script)
+            _run_into(journal, scenario, namespace, advance, script, publish_clock=publish_clock)
         finally:
             journal.flush()
     return journal
@@ -177,10 +186,12 @@ def _run_into(
     namespace: str,
     progress: Callable[[float], None],
     script: Script | None = None,
+    *,
+    publish_clock: bool = True,
 ) -> None:
     types = {row.name: row.type for row in TOPICS}
 
     def take(output: Output) -> None:
         journal.add(output.topic, encode(types[output.topic], output.value))
 
-    Simulation(scenario, take, namespace, script).run(progress)
+    Simulation(scenario, take, namespace, script, publish_clock=publish_clock).run(progress)

@@ -63,6 +63,15 @@ def test_a_recorded_run_drives_itself_again_byte_for_byte(recorded, tmp_path):
     assert contents(tmp_path / 'third') == expected
 
 
+def test_a_run_without_a_clock_is_driven_again_without_one(recorded, tmp_path):
+    scenario = load_scenario(str(recorded / 'scenario.yaml'))
+    options = {'mode': 'offline', 'namespace': 'car', 'publish_clock': False}
+    run_scenario(scenario, tmp_path / 'quiet', commands=recorded / 'bag', **options)
+    script = RecordedCommands(tmp_path / 'quiet' / 'bag', scenario)
+    assert not script.has_clock
+    assert contents(tmp_path / 'quiet') == [message for message in contents(recorded) if message[0] != '/clock']
+
+
 def test_the_same_commands_drive_another_vehicle(recorded, tmp_path):
     scenario = load_scenario(str(recorded / 'scenario.yaml'), ['vehicle.mass=1500'])
     run_scenario(scenario, tmp_path / 'heavy', mode='offline', commands=recorded / 'bag')

@@ -57,7 +57,7 @@ def flood(node: Node, first: str, topics: str, rate: str, seconds: str) -> None:
 
 
 def await_heard(node: Node, publishers: list[Publisher], template: bytearray) -> None:
-    """Publish on each topic until the recorder counts messages of it: that we have matched does not mean that it has."""
+    """Publish on each topic until the recorder counts messages of it: when we have matched, it may not have."""
     unheard = {publisher.topic_name: publisher for publisher in publishers}
 
     def note(array: DiagnosticArray) -> None:
