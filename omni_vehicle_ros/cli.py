@@ -169,7 +169,7 @@ def replay(
     from omni_vehicle_ros.bags.player import PlayerSettings
 
     player = PlayerSettings(rate, start, duration, loop, clock)
-    names = tuple(name for entry in topics or [] for name in entry.split(',') if name)
+    names = tuple(name for entry in topics or [] for name in entry.replace(',', ' ').split())
     if out is not None:
         choose('--mode', mode, MODES)
         if not commands_only or names or player != PlayerSettings():

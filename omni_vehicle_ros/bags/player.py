@@ -104,6 +104,8 @@ class Player:
         Whether time stands still.
     time
         Where in the bag it is [ns].
+    first
+        Log time of the first message of the bag [ns]; None until it has been read.
     """
 
     def __init__(
@@ -115,6 +117,7 @@ class Player:
     ) -> None:
         self.finished = self.paused = False
         self.time = 0
+        self.first: int | None = None
         self._source, self._chosen, self._latched, self._settings = source, chosen, latched, settings
         self._entries = self._pass()
         self._head: Entry | None = None
@@ -122,6 +125,11 @@ class Player:
         self._round: int | None = None  # wall time at which it last began
         self._given = 0
         self._ticked: int | None = None
+
+    @property
+    def position(self) -> float:
+        """Where in the bag it is, counted as `PlayerSettings.start` is [s]."""
+        return max(self.time - (self.first or 0), 0) / 1e9
 
     def due(self, now: int) -> list[Entry]:
         """Return what is due, in its order; a part of it if it is much. While a begin is sought it is nothing."""
@@ -220,8 +228,9 @@ class Player:
     def _end_pass(self) -> None:
         """Begin again, or be finished; a bag without anything to play isn't looped."""
         self.finished = not self._settings.loop or not self._given
-        self._given, self._begun, self._ticked, self.time = 0, None, None, 0
-        self._entries = self._pass()
+        if not self.finished:
+            self._given, self._begun, self._ticked, self.time = 0, None, None, 0
+            self._entries = self._pass()
 
     def _pass(self) -> Iterator[Entry | None]:
         """Give the messages from begin to end once, and None now and then where many are passed over."""
@@ -232,6 +241,7 @@ class Player:
         opening = _Opening(self._latched)
         for message in self._source:
             if time is None:
+                self.first = message.log_time
                 first = time = message.log_time + start
                 last = first + (round(duration * 1e9) if duration is not None else 2**63)
             latest = max(latest, message.log_time)

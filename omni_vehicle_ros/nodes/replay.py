@@ -136,6 +136,8 @@ class ReplayNode(Node):
         self.finished = True
         bag = str(self._replay.bag)
         self._playing.check(bag, self._source.topics)
+        if self._player.first is None:
+            raise BagError(f'{bag} holds no messages that can be read')
         if not self._count:
             raise BagError(f'{bag}: nothing lies between --start and --duration that can be published')
         until = time.monotonic() + ACKNOWLEDGE_LIMIT
@@ -208,18 +210,22 @@ class ReplayNode(Node):
         return self._answer(response, 'playing')
 
     def _step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        if not self._player.paused or not self._began:
+        if not self._player.paused:
             response.message = 'not paused: call pause first'
+            return response
+        if not self._began:
+            response.message = 'it has not begun: those who listen are still being awaited; call step again'
             return response
         entries = self._player.step(time.monotonic_ns())
         if not entries:
             response.message = 'nothing is left' if self._player.finished else 'the begin is still being sought'
             return response
+        before = self._count
         self._publish(entries)
-        return self._answer(response, f'{len(entries)} messages')
+        return self._answer(response, f'{self._count - before} messages')
 
     def _answer(self, response: Trigger.Response, text: str) -> Trigger.Response:
-        response.success, response.message = True, f'{text}, at {self._player.time / 1e9:.3f} s of the bag'
+        response.success, response.message = True, f'{text}, at {self._player.position:.3f} s of the bag'
         return response
 
 

@@ -171,6 +171,20 @@ def test_a_step_is_all_that_has_one_time():
     assert played.finished
 
 
+def test_the_position_counts_from_the_first_message_as_the_start_does():
+    played = player(Bag(('/a', 5000 * MS), ('/a', 5250 * MS), ('/a', 5500 * MS)), start=0.2)
+    assert (played.first, played.position) == (None, 0.0)
+    played.pause(0)
+    played.step(MS)
+    assert (played.first, played.position) == (5000 * MS, 0.25)
+    played.step(2 * MS)
+    assert played.finished
+    assert played.position == 0.5
+    empty = player(Bag())
+    assert empty.due(0) == []
+    assert (empty.finished, empty.first, empty.position) == (True, None, 0.0)
+
+
 def test_a_made_clock_runs_with_the_bag_and_replaces_its_own():
     bag = Bag(('/a', 1000 * MS), (CLOCK, 1001 * MS), ('/a', 1100 * MS))
     played = player(bag, rate=2.0, clock=True)
