@@ -92,7 +92,8 @@ def check_value(entry: 'dataclasses.Field[Any]', value: Any) -> Any:
     default = entry.default
     if isinstance(default, tuple):
         if not isinstance(value, (tuple, list)) or (default and len(value) != len(default) and _fixed(entry)):
-            raise ParameterError(f'{entry.name}: {value!r} must be a list of {len(default)} values')
+            size = f' of {len(default)} values' if _fixed(entry) else f', such as [{value}]'
+            raise ParameterError(f'{entry.name}: {value!r} must be a list{size}')
         element = default[0] if default else ''
         return tuple(_check_scalar(entry, element, item) for item in value)
     return _check_scalar(entry, default, value)
@@ -355,6 +356,9 @@ class RecorderParameters(Parameters):
                 re.compile(pattern)
             except re.error as error:
                 raise ParameterError(f'{name}: {pattern!r} is no regular expression: {error}') from None
+
+        if self.exclude and not self.chooses:
+            raise ParameterError('exclude: goes with all, topics or regex; without them the vehicle is recorded')
 
     @property
     def chooses(self) -> bool:

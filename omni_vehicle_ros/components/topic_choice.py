@@ -29,6 +29,11 @@ class TopicChoice:
         The rules.
     resolve
         Gives the full name of a topic.
+
+    Attributes
+    ----------
+    named
+        Full names of the topics that are chosen by name.
     """
 
     def __init__(self, parameters: RecorderParameters, resolve: Callable[[str], str]) -> None:
@@ -37,6 +42,7 @@ class TopicChoice:
         self._regex = re.compile(parameters.regex) if parameters.regex else None
         self._without = [re.compile(pattern) for pattern in parameters.exclude]
         self._without_names = {resolve(name) for name in parameters.exclude if _NAME.fullmatch(name)}
+        self.named = {topic for topic in map(resolve, parameters.topics) if self.takes(topic)}
 
     def takes(self, topic: str) -> bool:
         """Whether a topic, given by its full name, is to be recorded."""

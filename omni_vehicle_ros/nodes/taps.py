@@ -104,6 +104,11 @@ class Taps:
         self._until = 0
         self._looked_for_new = self._looked = -LOOK_PERIOD
 
+    @property
+    def missing(self) -> list[str]:
+        """Topics that are chosen by name, and that nobody has published yet."""
+        return sorted(self._choice.named - {*self._taps, *self.skipped})
+
     def look(self) -> None:
         """Find new topics, and see who publishes on the others, both from time to time."""
         now = time.monotonic()
@@ -185,9 +190,13 @@ class Taps:
         self._taps[topic] = _Tap(self._subscribe(topic, kind, request), types[0], kind, request, statistics)
 
     def _look_again(self, topic: str) -> None:
-        """Note who publishes, and ask for less if a new publisher offers less."""
+        """Note who publishes, and ask for less if a new publisher offers less; name one of another type."""
         tap = self._taps[topic]
-        publishers = self._inputs.get_publishers_info_by_topic(topic)
+        found = self._inputs.get_publishers_info_by_topic(topic)
+        publishers = [one for one in found if one.topic_type == tap.type_name]
+        for foreign in sorted({one.topic_type for one in found} - {tap.type_name}):
+            if (name := f'{topic} as {foreign}') not in self.skipped:
+                self._skip(name, f'in this bag the topic has the type {tap.type_name}')
         tap.statistics.look(_names(publishers))
         request = weaker(tap.request, request_for(map(_offer, publishers)))
         if request != tap.request:

@@ -59,12 +59,14 @@ class TopicRecording:
         self._taps.end()
 
     def summary(self) -> str:
-        """Return what was recorded, lost, and written where."""
-        written = f'; {self._sink.count} written to {self._sink.directory}'
+        """Return what was recorded, lost, missing, and written where."""
+        missing = f'; nobody published {", ".join(self._taps.missing)}' if self._taps.missing else ''
+        written = f'{missing}; {self._sink.count} written to {self._sink.directory}'
         return f'{self._taps.statistics.summary()}{written}'
 
     def _report(self, now: int) -> None:
-        statistics, skipped = self._taps.statistics, self._taps.skipped
+        statistics = self._taps.statistics
+        skipped = {**self._taps.skipped, **dict.fromkeys(self._taps.missing, 'nobody publishes it')}
         lost = statistics.fresh_losses()
         values = statistics.values(now, skipped)
         level, text = (WARN, f'{lost} messages were lost') if lost else (OK, 'recording')

@@ -42,10 +42,23 @@ def test_without_a_choice_it_is_the_vehicle_that_is_recorded():
     assert all(RecorderParameters(**one).chooses for one in ({'all': True}, {'topics': ('a',)}, {'regex': 'a'}))
 
 
+def test_an_exclusion_from_nothing_is_refused_and_a_name_is_no_list():
+    with pytest.raises(ParameterError, match='exclude: goes with all, topics or regex'):
+        RecorderParameters(exclude=('/rosout',))
+    with pytest.raises(ParameterError, match=r"topics: '/odom' must be a list, such as \[/odom\]"):
+        RecorderParameters(topics='/odom')
+
+
+def test_the_names_that_are_waited_for_are_those_that_are_taken():
+    parameters = RecorderParameters(topics=('odom', '/imu', '/b'), exclude=('/b',))
+    choice = TopicChoice(parameters, lambda name: resolve(name, 'car'))
+    assert choice.named == {'/car/odom', '/imu'}
+
+
 @pytest.mark.parametrize('values', [{'regex': '('}, {'exclude': ('a', '[')}])
 def test_a_pattern_that_is_none_is_refused_by_name(values):
     with pytest.raises(ParameterError, match=f'{next(iter(values))}: .* is no regular expression'):
-        RecorderParameters(**values)
+        RecorderParameters(all=True, **values)
 
 
 OFFERS = [

@@ -6,6 +6,8 @@ Says what it sent, and at what rate.
 
 ``publishers.py mixed``: one message on a latched topic before anybody listens, then slowly others until it is killed.
 
+``publishers.py typed TYPE``: messages of std_msgs/msg/TYPE on the topic ``changing`` until it is killed.
+
 ``publishers.py call SERVICE``: calls a Trigger and prints the answer.
 """
 
@@ -94,6 +96,14 @@ def mixed(node: Node) -> None:
         time.sleep(0.02)
 
 
+def typed(node: Node, name: str) -> None:
+    kind = {'Bool': Bool, 'Header': Header}[name]
+    publisher = node.create_publisher(kind, 'changing', 10)
+    while True:
+        publisher.publish(kind())
+        time.sleep(0.02)
+
+
 def call(node: Node, service: str) -> None:
     client = node.create_client(Trigger, service)
     assert client.wait_for_service(20.0)
@@ -104,4 +114,5 @@ def call(node: Node, service: str) -> None:
 
 if __name__ == '__main__':
     rclpy.init()
-    {'flood': flood, 'mixed': mixed, 'call': call}[sys.argv[1]](Node(f'test_{sys.argv[1]}'), *sys.argv[2:])
+    commands = {'flood': flood, 'mixed': mixed, 'typed': typed, 'call': call}
+    commands[sys.argv[1]](Node(f'test_{sys.argv[1]}'), *sys.argv[2:])

@@ -105,6 +105,27 @@ def test_any_type_and_quality_of_service(lab: Lab) -> None:
     assert {qos.reliability.name for qos in offers['/both']} == {'RELIABLE', 'BEST_EFFORT'}
 
 
+def test_what_is_not_recorded_is_named(lab: Lab) -> None:
+    """A topic that nobody publishes, and one whose next publisher has another type."""
+    bag = lab.path / 'bag'
+    process = recorder(lab, 'topics:=[changing, /diagnostics, nobody]')
+    first = lab.start(PUBLISHERS, 'typed', 'Bool')
+    until(lambda: heard(bag, '/changing'), 'messages of the first type')
+    first.kill()
+    second = lab.start(PUBLISHERS, 'typed', 'Header')
+    other = '/changing as std_msgs/msg/Header'
+    until(lambda: any(other in dict(one.values) for one in statuses(bag)), 'the other type')
+    process.send_signal(signal.SIGTERM)
+    out, errors = finish(process)
+    second.kill()
+    values = dict(statuses(bag)[-1].values)
+    assert values[other] == 'not recorded: in this bag the topic has the type std_msgs/msg/Bool'
+    assert values['/nobody'] == 'not recorded: nobody publishes it'
+    assert errors.count(f'{other} is not recorded') == 1
+    assert '; nobody published /nobody; ' in out
+    assert set(counts(bag)) == {'/changing', '/diagnostics'}
+
+
 def test_a_list_takes_the_clock_along(lab: Lab) -> None:
     process = recorder(lab, 'topics:=[unreliable, /_hidden]', 'split_time:=0.3')
     publishers = lab.start(PUBLISHERS, 'mixed')
