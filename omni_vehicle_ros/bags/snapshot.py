@@ -38,7 +38,7 @@ class SnapshotBuffer:
     directory
         Gets a bag for each snapshot: ``snapshot_0``, ``snapshot_1`` and so on. Must not exist.
     size
-        Of the messages that are kept, the objects around them included [byte].
+        Of the messages that are kept, the objects around them included [byte]. One that is larger is not kept.
     span
         Log time from the oldest message that is kept to the latest one [ns].
     compression, split_size, split_time
@@ -67,7 +67,7 @@ class SnapshotBuffer:
         self._topics: dict[str, _Topic] = {}
         self._kept: deque[_Kept] = deque()
         self._size = 0
-        self._taken = 0
+        self._taken = self._oversized = 0
         make_directory(self.directory)
 
     def __len__(self) -> int:
@@ -82,12 +82,13 @@ class SnapshotBuffer:
 
     def write(self, name: str, data: bytes, log_time_ns: int, publish_time_ns: int | None = None) -> None:
         """Keep a message, and drop what is too old or too much."""
+        if len(data) + OVERHEAD > self._limit:
+            self._oversized += 1
+            return
         self._kept.append(_Kept(name, data, log_time_ns, publish_time_ns))
         self._size += len(data) + OVERHEAD
         while self._size > self._limit or log_time_ns - self._kept[0].log_time > self._span:
             self._size -= len(self._kept.popleft().data) + OVERHEAD
-            if not self._kept:
-                break
 
     def take(self, meanwhile: Callable[[], None] = lambda: None) -> str:
         """Write what is kept, which stays, and say how much it was and where it is.
@@ -115,7 +116,9 @@ class SnapshotBuffer:
                     meanwhile()
         self.count += len(messages)
         seconds = (messages[-1].log_time - messages[0].log_time) * 1e-9 if messages else 0.0
-        return f'{len(messages)} messages of {seconds:.3f} s in {directory}'
+        over = self._oversized
+        tail = f'; {over} so far were too large for snapshot_size, {self._limit} B' if over else ''
+        return f'{len(messages)} messages of {seconds:.3f} s in {directory}{tail}'
 
     def flush(self) -> None:
         """Do nothing: what isn't asked for isn't written."""

@@ -41,10 +41,18 @@ def test_no_more_is_kept_than_the_limit_and_the_latest_are(tmp_path_factory, siz
     buffer = SnapshotBuffer(tmp_path_factory.mktemp('ring') / 'bag', limit, 10**18)
     for number, size in enumerate(sizes):
         buffer.write('/a', bytes(size), number)
-    kept = [size + OVERHEAD for size in sizes[len(sizes) - len(buffer) :]]
+    fitting = [size + OVERHEAD for size in sizes if size + OVERHEAD <= limit]
+    kept = fitting[len(fitting) - len(buffer) :]
     assert sum(kept) <= limit
-    if len(kept) < len(sizes):
-        assert sum(kept) + sizes[len(sizes) - len(kept) - 1] + OVERHEAD > limit
+    if len(kept) < len(fitting):
+        assert sum(kept) + fitting[len(fitting) - len(kept) - 1] > limit
+
+
+def test_a_message_that_is_too_large_takes_the_place_of_no_other(tmp_path):
+    buffer = filled(tmp_path / 'bag', 5, 1, size=5000)
+    buffer.write(CLOCK.name, bytes(5000), 5)
+    assert len(buffer) == 5
+    assert buffer.take().endswith('/snapshot_0; 1 so far were too large for snapshot_size, 5000 B')
 
 
 def test_snapshots_are_bags_and_follow_each_other(tmp_path):
