@@ -26,6 +26,8 @@ class Audience:
         ):
             found = self.heard.setdefault(topic, [])
             self.node.create_subscription(kind, topic, found.append, qos, raw=True)
+        names = ('pause', 'resume', 'step')  # made now, a replay that comes finds all of them at once
+        self.clients = {name: self.node.create_client(Trigger, f'/replay/{name}') for name in names}
 
     def until(self, condition: Callable[[], bool], what: str) -> None:
         """Take messages until a condition holds."""
@@ -40,7 +42,7 @@ class Audience:
 
     def call(self, name: str) -> str:
         """Call a service of the replay; print and return its answer."""
-        client = self.node.create_client(Trigger, f'/replay/{name}')
+        client = self.clients[name]
         assert client.wait_for_service(LIMIT)
         future = client.call_async(Trigger.Request())
         self.until(future.done, name)
