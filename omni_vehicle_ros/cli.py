@@ -329,7 +329,7 @@ def analyse_bags(
 
 @app.command('export')
 def export_bag(
-    bag: Annotated[Path, typer.Argument(help='Bag directory, or one MCAP file.')],
+    bag: Annotated[Path, typer.Argument(help='Bag directory or file: MCAP, or what else rosbag2 writes.')],
     out: Annotated[
         Path | None,
         typer.Option('--out', metavar='DIR', help='Directory for all; must not exist. Default: runs/export-<date>.'),
@@ -353,8 +353,8 @@ def export_bag(
         bar.advance(100.0)
     for path, count in found.files.items():
         print(f'{path}: {count} messages')
-    for topic, type_name in found.skipped.items():
-        print(f'{topic}: left out: the type {type_name} is not read here')
+    for topic, why in sorted(found.skipped.items()):
+        print(f'{topic}: left out: {why}')
     for line in found.damage:
         print(line)
 

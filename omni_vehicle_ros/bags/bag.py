@@ -5,9 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from omni_vehicle_ros.bags.blocks import BlockReader, check_type
+from omni_vehicle_ros.bags.blocks import Block
 from omni_vehicle_ros.bags.columns import Columns, join_columns, make_columns
-from omni_vehicle_ros.bags.mcap_stream import read_messages
+from omni_vehicle_ros.bags.foreign import join_blocks
+from omni_vehicle_ros.bags.topic_blocks import TopicBlocks
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.interface import TOPICS, resolve
 from omni_vehicle_ros.messages import VALUE_TYPES, MessageError
@@ -130,14 +131,16 @@ class Bag:
         others = {other for topic, other in self._met if topic == self._full[name]} - {type_name}
         if others:
             raise BagError(f'{self.path}: topic {name} has several types: {type_name}, {", ".join(sorted(others))}')
-        check_type(self.path, name, type_name, type_name)
 
     def _read(self, name: str) -> None:
-        at_once = sum(info.message_count for info in self.topics.values()) <= AT_ONCE
-        names = [other for other, info in self.topics.items() if info.type_name in VALUE_TYPES] if at_once else [name]
+        ours = [other for other, info in self.topics.items() if info.type_name in VALUE_TYPES]
+        at_once = name in ours and sum(info.message_count for info in self.topics.values()) <= AT_ONCE
+        names = ours if at_once else [name]
         found = self._source([self._full[other] for other in names])
         for other in names:
-            columns = found.get(self._full[other], make_columns(other, self.topics[other].type_name, [], []))
+            columns = found.get(self._full[other])
+            if columns is None:
+                columns = make_columns(other, self.topics[other].type_name, [], [])
             self._columns[other] = columns if isinstance(columns, MessageError) else replace(columns, topic=other)
 
 
@@ -147,40 +150,52 @@ def open_bag(path: Path | str, *, namespace: str | None = None) -> Bag:
     Parameters
     ----------
     path
-        A bag directory or one MCAP file.
+        A bag directory, one MCAP file, or what else ``rosbags`` reads.
     namespace
         Of the vehicle that names are relative to; by default that of the only one in the bag.
+
+    Notes
+    -----
+    Types that are not ours are decoded one by one by their definition in the bag (`foreign.ForeignType`): a column for
+    each field, those of fields named as in ``pose_position_x``.
 
     Raises
     ------
     BagError
         There is no such bag, or it holds several vehicles and no namespace was given.
     """
-    stream = read_messages(path)
-    counter = BlockReader(stream, lambda topic, type_name: False)
-    for _ in counter:
+    blocks = TopicBlocks(path)
+    for _ in blocks.ours(lambda topic: False):
         pass
-    return Bag(Path(path), stream.types, counter.counts, _FileSource(path), tuple(stream.damage), namespace)
+    return Bag(Path(path), blocks.types, blocks.counts, _FileSource(path, blocks.types), blocks.damage, namespace)
 
 
 class _FileSource:
     """Reads a bag again for every request."""
 
-    def __init__(self, path: Path | str) -> None:
-        self._path = path
+    def __init__(self, path: Path | str, types: Mapping[str, str]) -> None:
+        self._path, self._types = path, types
 
     def __call__(self, topics: Collection[str]) -> dict[str, Columns | MessageError]:
-        stream = read_messages(self._path)
-        blocks: dict[str, list[Columns]] = {}
-        errors: dict[str, MessageError] = {}
-        for topic, _, columns in BlockReader(
-            stream, lambda topic, type_name: topic in topics and type_name == stream.types[topic]
-        ):
-            if isinstance(columns, MessageError):
-                errors.setdefault(topic, columns)
-            else:
-                blocks.setdefault(topic, []).append(columns)
-        return {topic: join_columns(parts) for topic, parts in blocks.items()} | errors
+        blocks = TopicBlocks(self._path)
+        blocks.types.update(self._types)
+        ours = {topic for topic in topics if self._types[topic] in VALUE_TYPES}
+        found = _joined(blocks.ours(ours.__contains__), join_columns) if ours else {}
+        others = set(topics) - ours
+        return found | (_joined(blocks.foreign(others), join_blocks) if others else {})
+
+
+def _joined(
+    blocks: Iterator[Block], join: Callable[[list[Columns]], Columns]
+) -> dict[str, Columns | MessageError]:
+    parts: dict[str, list[Columns]] = {}
+    errors: dict[str, MessageError] = {}
+    for topic, _, columns in blocks:
+        if isinstance(columns, MessageError):
+            errors.setdefault(topic, columns)
+        else:
+            parts.setdefault(topic, []).append(columns)
+    return {topic: join(some) for topic, some in parts.items()} | errors
 
 
 def _detect_namespace(path: Path, topics: list[str]) -> str:

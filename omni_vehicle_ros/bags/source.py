@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from omni_vehicle_ros.bags.bag_contents import read_metadata
+from omni_vehicle_ros.bags.definitions import SchemaDefinition
 from omni_vehicle_ros.bags.mcap_file_reader import ChannelFacts, RecordedMessage
 from omni_vehicle_ros.bags.mcap_stream import MessageStream, bag_files
 from omni_vehicle_ros.bags.metadata import SECOND, OfferedQos
@@ -121,7 +122,13 @@ def _told(topic: Mapping[str, Any]) -> TopicFacts:
 
 
 class RosbagsSource:
-    """A bag that the package ``rosbags`` reads: sqlite3, or compressed as a whole."""
+    """A bag that the package ``rosbags`` reads: sqlite3, or compressed as a whole.
+
+    Attributes
+    ----------
+    schemas
+        The definitions in it, by type.
+    """
 
     def __init__(self, path: Path) -> None:
         from rosbags.rosbag2 import Reader
@@ -130,6 +137,7 @@ class RosbagsSource:
             self._reader = Reader(path)
             with self._reader as reader:
                 self.topics = {one.topic: _facts(one) for one in reader.connections if one.msgcount}
+                self.schemas = dict(map(_schema, (one for one in reader.connections if one.msgdef.data)))
         except Exception as error:  # as below
             raise BagError(f'{path} is no bag that can be read here: {_one_line(error)}') from error
         self.damage: list[str] = []
@@ -146,6 +154,11 @@ class RosbagsSource:
                     count += 1
         except Exception as error:  # rosbags lets through what its decompressor, its database and a text may raise
             self.damage.append(f'{self._path}: {_one_line(error)}; {count} messages before that are good')
+
+
+def _schema(connection: 'Connection') -> tuple[str, SchemaDefinition]:
+    encoding = 'ros2idl' if connection.msgdef.format.name == 'IDL' else 'ros2msg'
+    return connection.msgtype, SchemaDefinition(connection.msgtype, encoding, connection.msgdef.data.encode())
 
 
 def _facts(connection: 'Connection') -> TopicFacts:
