@@ -104,6 +104,15 @@ class Fields:
         return self._position == len(self._content)
 
 
+def read_header(content: bytes) -> str:
+    """Read the profile of a file."""
+    fields = Fields(content)
+    profile, _ = fields.text(), fields.text()
+    if not fields.ended:
+        raise DamageError('the header makes no sense')
+    return profile
+
+
 def read_schema(content: bytes) -> tuple[int, SchemaDefinition]:
     """Read a schema and its number."""
     fields = Fields(content)

@@ -30,6 +30,8 @@ class FileRepair(NamedTuple):
     """Messages."""
     unchecked: int
     """Those of them whose bytes no checksum covers."""
+    private: int
+    """Records of kinds that MCAP leaves to applications; they are not saved."""
     lost: int | None
     """Messages; None if the file doesn't tell."""
     all_known: bool
@@ -52,6 +54,8 @@ class FileRepair(NamedTuple):
             lines.append(f'  ... and {more} more')
         if self.unchecked:
             lines.append(f'  {self.unchecked} of the saved messages have no checksum: they may be damaged inside')
+        if self.private:
+            lines.append(f'  {self.private} private records (of kinds from 0x80 on) are not saved')
         return lines
 
 
@@ -73,7 +77,9 @@ class Repair(NamedTuple):
     def lines(self) -> list[str]:
         """What there is to say about the bag."""
         if self.directory is None:
-            return [f'the bag is whole: {self.saved} messages in {len(self.files)} file(s); nothing was written']
+            unchecked = sum(file.unchecked for file in self.files)
+            words = f'; {unchecked} of them have no checksum: they may be damaged inside' if unchecked else ''
+            return [f'the bag is whole: {self.saved} messages in {len(self.files)} file(s){words}; nothing was written']
         metadata = [self.metadata_damage] if self.metadata_damage else []
         return [*(line for file in self.files for line in file.lines), *metadata, f'bag     {self.directory}']
 
@@ -198,7 +204,7 @@ def _file_repair(name: str, salvage: Salvage) -> FileRepair:
     source = salvage.source
     lost, all_known = salvage.lost_messages
     return FileRepair(
-        name, source.size, salvage.messages, salvage.unchecked, lost, all_known, source.lost_bytes,
+        name, source.size, salvage.messages, salvage.unchecked, salvage.private, lost, all_known, source.lost_bytes,
         tuple(source.damages), source.damage_count,
     )
 

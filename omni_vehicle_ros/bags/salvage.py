@@ -16,6 +16,7 @@ from omni_vehicle_ros.bags.definitions import (
     Metadata,
     Statistics,
     read_attachment,
+    read_header,
     read_metadata_record,
     read_statistics,
 )
@@ -59,6 +60,8 @@ class Salvage:
         Given so far.
     unchecked
         Those of them that no checksum covers.
+    private
+        Records of kinds that MCAP leaves to applications, which are passed over.
     by_channel
         How many of each channel.
     span
@@ -72,6 +75,7 @@ class Salvage:
         self.profile = 'ros2'
         self.messages = 0
         self.unchecked = 0
+        self.private = 0
         self._chunks = 0
         self._extras = 0
         self.by_channel: Counter[int] = Counter()
@@ -109,11 +113,14 @@ class Salvage:
     def _bare_record(self, record: Record) -> Iterator[Saved]:
         opcode = record.opcode
         if opcode >= FIRST_OWN_OPCODE or opcode == FOOTER:
+            self.private += opcode != FOOTER
             return
         if record.length > LARGEST_RECORD:
             raise DamageError(f'a record of {record.length} bytes is too long')
         if opcode == FILE_HEADER and record.position == len(MAGIC):
-            self.profile = Fields(self._content(record)).text()
+            self.profile = read_header(self._content(record))
+        elif opcode == MESSAGE and (self._chunks or self._data_ended):  # no writer does both: a flipped bit in an index
+            raise DamageError('a message lies outside of chunks in a file of chunks')
         elif opcode == MESSAGE:
             yield self._message(self._content(record))
             self.unchecked += 1
