@@ -5,30 +5,22 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from matplotlib.colors import to_rgba_array
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
 
-from omni_vehicle_ros.analysis.path import plot_path
-from omni_vehicle_ros.analysis.plots import HEIGHT, LABELS, WIDTH, Plot, stacked_axes
-from omni_vehicle_ros.analysis.stream.grip import GripMap
-from omni_vehicle_ros.analysis.stream.summary import all_events
+from omni_vehicle_ros.analysis.bag_grip import grip_plots
+from omni_vehicle_ros.analysis.bag_marks import BAG_COLOURS, mark_events
+from omni_vehicle_ros.analysis.bag_paths import path_plots
+from omni_vehicle_ros.analysis.plots import HEIGHT, WIDTH, Plot, stacked_axes
 from omni_vehicle_ros.analysis.stream.survey import Survey
-from omni_vehicle_ros.analysis.style import ACCENT, INK, MUTED, SECOND, WHEEL_COLOURS
+from omni_vehicle_ros.analysis.style import ACCENT, INK, SECOND, WHEEL_COLOURS
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-BAG_COLOURS = ('#1f2933', '#d55e00', '#0072b2', '#009e73', '#cc79a7', '#e69f00')
-EVENT_COLOURS = {
-    'time-out': '#b5403a', 'missed cycles': '#7b5ea7', 'saturation': '#e69f00', 'wheel lift': '#d55e00',
-    'warning': '#8a6d1b', 'error': '#8b0000',
-}
 _DASHES = ('-', (0, (4, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
 _SERIES_COLOURS = (INK, SECOND, ACCENT, *WHEEL_COLOURS)
-_MOST_MARKS = 60
 _FROM_ZERO = ('load', 'friction_use')
 _LATE_TOPICS = 5
 _DEGREES = math.degrees(1.0)
@@ -113,49 +105,14 @@ def draw_surveys(surveys: Sequence[Survey], names: Sequence[str], vehicles: Sequ
     surveys, names, vehicles
         The bags, what they are called, and the vehicles in them, for the drawing from above.
     """
-    plots = _paths(surveys, names, vehicles)
+    plots = path_plots(surveys, names, vehicles)
     time = [_chart(chart, surveys) for chart in CHARTS] + [_wheels(chart, surveys) for chart in WHEEL_CHARTS]
     time += [*_joints(surveys), _periods(surveys), _latency(surveys)]
     for plot in time:
         if plot is not None:
-            if len(surveys) == 1:
-                _mark_events(plot.figure, surveys[0])
+            mark_events(plot.figure, surveys)
             plots.append(plot)
-    return [*plots, *_grips(surveys)]
-
-
-def _paths(surveys: Sequence[Survey], names: Sequence[str], vehicles: Sequence[VehicleParameters]) -> list[Plot]:
-    known = [(survey, name, car) for survey, name, car in zip(surveys, names, vehicles, strict=True) if _moved(survey)]
-    plots = []
-    for number, (survey, name, vehicle) in enumerate(known):
-        motion = survey.path.columns(survey.span[0])
-        odom = motion['odom']
-        margin = 2 * vehicle.wheelbase
-        height = 7.6 * (np.ptp(odom.y) + margin) / (np.ptp(odom.x) + margin) + LABELS
-        figure = Figure(figsize=(7.6, float(np.clip(height, 2.4, 8.0))))
-        plot_path(motion, figure.add_subplot(), vehicle)
-        wheels = 'with its steered wheels' if 'joint_states' in motion else 'steer angles are not known'
-        title = 'Path from above' + (f': {name}' if len(known) > 1 else '')
-        plots.append(Plot(f'path-{number}', title, f'The vehicle now and then, {wheels}.', figure))
-    if len(known) > 1:
-        plots.append(_all_paths([survey for survey, _, _ in known], surveys))
-    return plots
-
-
-def _moved(survey: Survey) -> bool:
-    return survey.path.final is not None and len(survey.path.columns(0)['odom']) > 1
-
-
-def _all_paths(known: Sequence[Survey], surveys: Sequence[Survey]) -> Plot:
-    figure = Figure(figsize=(7.6, 4.6), layout='constrained')
-    axes = figure.add_subplot()
-    for survey in known:
-        odom = survey.path.columns(0)['odom']
-        axes.plot(odom.x, odom.y, color=BAG_COLOURS[surveys.index(survey)])
-    axes.set_aspect('equal', adjustable='datalim')
-    axes.set_xlabel('x [m]')
-    axes.set_ylabel('y [m]')
-    return Plot('paths', 'All paths', 'Of the centre of gravity.', figure)
+    return [*plots, *grip_plots(surveys)]
 
 
 def _there(surveys: Sequence[Survey], trace: str) -> bool:
@@ -278,64 +235,3 @@ def _latency(surveys: Sequence[Survey]) -> Plot | None:
         return None
     axes.legend(fontsize=7.0)
     return Plot('latency', 'Latency', 'Log time less stamp, of the topics with the longest.', figure)
-
-
-def _grips(surveys: Sequence[Survey]) -> list[Plot]:
-    plots = []
-    if any(grip.counts.any() for survey in surveys for grip in survey.tyre_grip):
-        figure = Figure(figsize=(WIDTH, WIDTH), layout='constrained')
-        for i, axes in enumerate(figure.subplots(2, 2, sharex=True, sharey=True).flat):
-            maps = [survey.tyre_grip[i] for survey in surveys]
-            _circle(axes, maps, (1.0,), WHEEL_COLOURS[i] if len(surveys) == 1 else '')
-            axes.set_title(WHEELS[i].replace('_', ' '), fontsize=8.5)
-        figure.supxlabel('to the left', fontsize=9.0)
-        figure.supylabel('along', fontsize=9.0)
-        text = 'Force over friction times load, in the frame of each wheel. The circle is the limit.'
-        plots.append(Plot('grip', 'g-g diagrams of the tyres', text, figure))
-    if any(survey.body_grip.counts.any() for survey in surveys):
-        figure = Figure(figsize=(WIDTH, WIDTH), layout='constrained')
-        axes = figure.add_subplot()
-        _circle(axes, [survey.body_grip for survey in surveys], (0.5, 1.0), INK if len(surveys) == 1 else '')
-        axes.set_xlabel('to the left [g]')
-        axes.set_ylabel('ahead [g]')
-        plots.append(Plot('body-grip', 'g-g diagram of the body', 'Acceleration; circles at 0.5 g and 1 g.', figure))
-    return plots
-
-
-def _circle(axes: 'Axes', maps: Sequence[GripMap], radii: Sequence[float], colour: str) -> None:
-    for radius in radii:
-        axes.add_patch(Circle((0.0, 0.0), radius, fill=False, edgecolor=MUTED, linewidth=0.9))
-    for number, grip in enumerate(maps):
-        along, across, share = grip.cells()
-        shade = to_rgba_array([colour or BAG_COLOURS[number]] * len(share))
-        if len(share):
-            shade[:, 3] = np.clip(1.0 + np.log10(share) / 4.0, 0.15, 1.0)
-        axes.scatter(across, along, s=7.0, marker='s', c=shade, linewidths=0.0)
-    axes.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.25), aspect='equal')
-
-
-def _mark_events(figure: Figure, survey: Survey) -> None:
-    """Mark events along the foot of all axes over time, each kind on a line of its own."""
-    begin = survey.span[0]
-    by_kind: dict[str, list[tuple[float, float]]] = {}
-    for event in all_events(survey)[0]:
-        by_kind.setdefault(event.kind, []).append(((event.begin - begin) * 1e-9, (event.end - begin) * 1e-9))
-    least = (survey.span[1] - begin) * 1e-9 / 300.0
-    for axes in figure.axes:
-        for number, (kind, spans) in enumerate(by_kind.items()):
-            for first, last in _joined(spans, least)[:_MOST_MARKS]:
-                last, colour, foot = max(last, first + least), EVENT_COLOURS[kind], 0.03 * number
-                axes.axvspan(first, last, color=colour, linewidth=0.0, alpha=0.12, zorder=0)
-                axes.axvspan(first, last, ymin=foot, ymax=foot + 0.025, color=colour, linewidth=0.0, zorder=5)
-        axes.set_xlim(0.0, max((survey.span[1] - begin) * 1e-9, 1e-3))
-
-
-def _joined(spans: list[tuple[float, float]], least: float) -> list[tuple[float, float]]:
-    """Return spans of which those closer than can be seen are one."""
-    found: list[tuple[float, float]] = []
-    for first, last in sorted(spans):
-        if found and first - found[-1][1] < least:
-            found[-1] = (found[-1][0], max(found[-1][1], last))
-        else:
-            found.append((first, last))
-    return found

@@ -6,7 +6,8 @@ import jinja2
 
 from omni_vehicle_ros import __version__
 from omni_vehicle_ros.analysis.bag_analysis import Analysis, vehicle_of
-from omni_vehicle_ros.analysis.bag_plots import BAG_COLOURS, EVENT_COLOURS, draw_surveys
+from omni_vehicle_ros.analysis.bag_marks import BAG_COLOURS, EVENT_COLOURS
+from omni_vehicle_ros.analysis.bag_plots import draw_surveys
 from omni_vehicle_ros.analysis.stream.summary import compared
 from omni_vehicle_ros.analysis.style import WHEEL_COLOURS, house_style, to_svg
 from omni_vehicle_ros.wheels import WHEELS
@@ -53,7 +54,8 @@ def number(value: float | None) -> str:
 
 def _fact(name: str, bag: dict[str, Any]) -> str:
     messages = sum(topic['messages'] for topic in bag['topics'].values())
-    return f'{name}: {bag["duration"]:.1f} s, {messages} messages on {len(bag["topics"])} topics'
+    topics = f'{len(bag["topics"])} topic{"s" if len(bag["topics"]) > 1 else ""}'
+    return f'{name}: {bag["duration"]:.1f} s, {messages} messages on {topics}'
 
 
 def _hints(found: Analysis, names: list[str]) -> list[str]:
@@ -63,10 +65,19 @@ def _hints(found: Analysis, names: list[str]) -> list[str]:
         if bag['missing']:
             lacks = '; '.join(f'no {topic}: without {text}' for topic, text in bag['missing'].items())
             words.append(f'What is missing, and what is left out for that: {lacks}.')
+        words += _backward(bag)
         words += [subject.hint] if subject.hint else []
         if words:
             hints.append(f'{name}: {" ".join(words)}')
     return hints
+
+
+def _backward(bag: dict[str, Any]) -> list[str]:
+    back = {topic: timing['backward'] for topic, timing in bag['timing'].items() if timing['backward']}
+    if not back:
+        return []
+    places = ', '.join(f'{topic} ({count} times)' for topic, count in list(back.items())[:5])
+    return [f'Stamps go back on {places}: what was at one time twice lies over itself.']
 
 
 def _figures(bag: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -92,7 +103,8 @@ def _figures(bag: dict[str, Any]) -> list[tuple[str, str, str]]:
 
 def _legend(names: list[str], bags: list[dict[str, Any]]) -> list[tuple[str, str]]:
     if len(names) > 1:
-        return list(zip(BAG_COLOURS, names, strict=False))
+        events = ' (at the foot: its events)' if any(bag['events']['list'] for bag in bags) else ''
+        return [(colour, name + events) for colour, name in zip(BAG_COLOURS, names, strict=False)]
     kinds = bags[0]['events']['counts']
     wheels = [(colour, wheel.replace('_', ' ')) for colour, wheel in zip(WHEEL_COLOURS, WHEELS, strict=True)]
     wheels = wheels if 'steer_angle' in bags[0]['signals'] or 'side_slip' in bags[0]['signals'] else []

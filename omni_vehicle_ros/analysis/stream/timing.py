@@ -57,13 +57,13 @@ class TopicTiming:
         self._latency, self._quantiles, self._other_clock = RunningStatistics(1), Quantiles(), 0
 
     def add(self, stamps: Times, logs: Times) -> None:
-        """Take the next messages: their stamps and log times [ns], shape (n,)."""
+        """Take the next messages: stamps and log times [ns], shape (n,); the latter count if no stamp was set."""
         self._add_latency(stamps, logs)
+        stamps = stamps if stamps.any() else logs
         before = self._stamps.last
         self._stamps.add(stamps)
         self._logs.add(logs)
-        if not self.count:
-            self.first = int(stamps[0])
+        self.first = min(self.first, int(stamps.min())) if self.count else int(stamps.min())
         self.count += len(stamps)
         self.last = max(self.last, int(stamps.max()))
         all_stamps = stamps if before is None else np.concatenate([[before], stamps])

@@ -116,7 +116,7 @@ TRACES: dict[str, tuple[Trace, ...]] = {
 NEEDED_FOR = {
     'odom': 'the path from above, speed and yaw rate',
     'joint_states': 'steer angles and rates, wheel speeds, torques, and the wheels along the path',
-    'imu': 'acceleration and roll (the g-g diagram of the body is worked out from odom)',
+    'imu': 'acceleration and roll (the g-g diagram of the body is worked out from odom, if there is one)',
     'tyres/side_slip': 'side slip and friction use',
     'tyres/force': 'loads, lift of wheels, and the g-g diagrams of the tyres',
     'commanded_twist': 'speed and yaw rate against their commands',
