@@ -28,6 +28,7 @@ from omni_vehicle_ros.scenarios import Scenario, load_scenario, scenario_directo
 
 EXIT_USAGE = 2
 GRACE = 10  # s, of an end by a signal
+AGAIN = 0.01  # s, until an end that was swallowed is tried again
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -399,7 +400,17 @@ def choose(option: str, value: str, allowed: tuple[str, ...]) -> None:
 def interrupt(number: int, frame: FrameType | None) -> None:
     """Turn a signal into an end without a trace; a run has its own handlers while nodes are up."""
     ignore_signals()
-    signal.alarm(GRACE)  # kills this process, should a destructor or a callback have swallowed the exception
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(GRACE)  # kills this process, should anything have swallowed the exception for good
+
+    def again(unraisable: 'sys.UnraisableHookArgs') -> None:
+        if not isinstance(unraisable.exc_value, Interrupted):
+            sys.__unraisablehook__(unraisable)
+            return
+        signal.signal(signal.SIGALRM, lambda late, frame: interrupt(number, frame))  # a destructor has swallowed it
+        signal.setitimer(signal.ITIMER_REAL, AGAIN)
+
+    sys.unraisablehook = again
     raise Interrupted('interrupted', number)
 
 

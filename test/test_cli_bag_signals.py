@@ -60,3 +60,27 @@ def test_a_signal_leaves_nothing_half_made(place: Path, command: str, number: si
     assert [each.name for each in place.iterdir()] == ['cut.mcap']
     after = (place / 'cut.mcap').stat()
     assert (after.st_mtime_ns, after.st_size) == (before.st_mtime_ns, before.st_size)
+
+
+SWALLOWED = """
+import os, signal, sys, time
+from omni_vehicle_ros import cli
+
+class Destroyed:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(0.1)
+
+@cli.app.command()
+def swallow():
+    Destroyed()
+    time.sleep(60)
+
+sys.argv[1:] = ['swallow']
+cli.main()
+"""
+
+
+def test_a_signal_in_a_destructor_ends_a_command_too() -> None:
+    done = subprocess.run([sys.executable, '-c', SWALLOWED], capture_output=True, text=True, timeout=LIMIT, check=False)
+    assert (done.returncode, done.stderr) == (143, 'interrupted\n')
