@@ -118,16 +118,23 @@ def write_analysis(found: Analysis, directory: Path) -> None:
     Raises
     ------
     RunError
-        A file can't be written.
+        A file can't be written; then neither is left.
     """
     from omni_vehicle_ros.analysis.bag_report import render_bags
 
+    files = {
+        directory / 'metrics.json': json.dumps(found.metrics, indent=2, allow_nan=False) + '\n',
+        directory / 'report.html': render_bags(found),
+    }
     try:
-        text, page = json.dumps(found.metrics, indent=2, allow_nan=False) + '\n', render_bags(found)
-        (directory / 'metrics.json').write_text(text, encoding='utf-8')
-        (directory / 'report.html').write_text(page, encoding='utf-8')
-    except OSError as error:
-        raise RunError(f'{error.filename}: {error.strerror}') from None
+        for path, text in files.items():
+            path.write_text(text, encoding='utf-8')
+    except BaseException as error:
+        for path in files:
+            path.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise RunError(f'{error.filename or directory}: {error.strerror}') from None
+        raise
 
 
 def vehicle_of(subject: Subject) -> VehicleParameters:

@@ -1,5 +1,6 @@
-"""Bags whose stamps are missing or go back, and events on the time axis of several bags."""
+"""Bags whose stamps are missing or go back, events of several bags, and a report that does not fit on the disk."""
 
+import resource
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from omni_vehicle_ros.analysis.bag_analysis import analyse, read_subjects, write
 from omni_vehicle_ros.analysis.bag_marks import BAG_COLOURS, mark_events
 from omni_vehicle_ros.analysis.plots import stacked_axes
 from omni_vehicle_ros.bags import BagWriter
+from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.interface import topic
 from omni_vehicle_ros.messages import Odometry
 
@@ -42,6 +44,19 @@ def test_stamps_that_go_back_are_said(tmp_path: Path) -> None:
     assert (bag['begin'], bag['duration']) == (pytest.approx(EPOCH * 1e-9 - 0.2), pytest.approx(0.69))
     write_analysis(found, tmp_path)
     assert 'Stamps go back on /odom (1 times)' in (tmp_path / 'report.html').read_text(encoding='utf-8')
+
+
+def test_a_full_disk_leaves_no_half_of_a_report(tmp_path: Path) -> None:
+    found = analyse(read_subjects([write(tmp_path / 'bag', [(k * 10 * MS, k * 10 * MS) for k in range(20)])]))
+    (tmp_path / 'out').mkdir()
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, limit[1]))
+    try:
+        with pytest.raises(RunError, match=r'/out: File too large$'):
+            write_analysis(found, tmp_path / 'out')
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+    assert not list((tmp_path / 'out').iterdir())
 
 
 def test_of_several_bags_each_has_its_events_in_its_colour(tmp_path: Path) -> None:
