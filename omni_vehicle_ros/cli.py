@@ -311,7 +311,8 @@ def analyse_bags(
     ] = None,
 ) -> None:
     """Analyse any bag, or compare several; leave metrics.json and report.html in DIR."""
-    from omni_vehicle_ros.analysis.bag_analysis import analyse, read_subjects, write_analysis
+    from omni_vehicle_ros.analysis.bag_analysis import analyse, read_subjects
+    from omni_vehicle_ros.analysis.bag_report import write_analysis
     from omni_vehicle_ros.console import ProgressBar
 
     subjects = read_subjects(bags, load_scenario(scenario) if scenario else None)

@@ -1,6 +1,5 @@
-"""Analysis of any bags: metrics.json and report.html, from one reading of each in bounded memory."""
+"""Analysis of any bags, from one reading of each in bounded memory."""
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,7 +8,7 @@ from omni_vehicle_ros.analysis.stream.limits import limits_of
 from omni_vehicle_ros.analysis.stream.reading import BagReader, Progress
 from omni_vehicle_ros.analysis.stream.summary import compared, metrics_of
 from omni_vehicle_ros.analysis.stream.survey import Survey, survey_bag
-from omni_vehicle_ros.errors import BagError, RunError, ScenarioError
+from omni_vehicle_ros.errors import BagError, ScenarioError
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.scenarios import Scenario, load_scenario
 
@@ -110,31 +109,6 @@ def _after(done: float, progress: Progress) -> Callable[[float], None]:
 
 def _topics(survey: Survey) -> str:
     return ', '.join(f'{topic} ({type_name})' for topic, type_name in sorted(survey.types.items())[:10]) or 'none'
-
-
-def write_analysis(found: Analysis, directory: Path) -> None:
-    """Write ``metrics.json`` and ``report.html``.
-
-    Raises
-    ------
-    RunError
-        A file can't be written; then neither is left.
-    """
-    from omni_vehicle_ros.analysis.bag_report import render_bags
-
-    files = {
-        directory / 'metrics.json': json.dumps(found.metrics, indent=2, allow_nan=False) + '\n',
-        directory / 'report.html': render_bags(found),
-    }
-    try:
-        for path, text in files.items():
-            path.write_text(text, encoding='utf-8')
-    except BaseException as error:
-        for path in files:
-            path.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise RunError(f'{error.filename or directory}: {error.strerror}') from None
-        raise
 
 
 def vehicle_of(subject: Subject) -> VehicleParameters:

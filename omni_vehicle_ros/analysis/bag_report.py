@@ -1,5 +1,7 @@
-"""The page about analysed bags."""
+"""What is written about analysed bags: ``metrics.json`` and the page ``report.html``."""
 
+import json
+from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -10,10 +12,34 @@ from omni_vehicle_ros.analysis.bag_marks import BAG_COLOURS, EVENT_COLOURS
 from omni_vehicle_ros.analysis.bag_plots import draw_surveys
 from omni_vehicle_ros.analysis.stream.summary import compared
 from omni_vehicle_ros.analysis.style import WHEEL_COLOURS, house_style, to_svg
+from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.wheels import WHEELS
 
 LISTED = 60
 _NONE, _MINUS = '\u2013', '\u2212'
+
+
+def write_analysis(found: Analysis, directory: Path) -> None:
+    """Write ``metrics.json`` and ``report.html``.
+
+    Raises
+    ------
+    RunError
+        A file can't be written; then neither is left.
+    """
+    files = {
+        directory / 'metrics.json': json.dumps(found.metrics, indent=2, allow_nan=False) + '\n',
+        directory / 'report.html': render_bags(found),
+    }
+    try:
+        for path, text in files.items():
+            path.write_text(text, encoding='utf-8')
+    except BaseException as error:
+        for path in files:
+            path.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise RunError(f'{error.filename or directory}: {error.strerror}') from None
+        raise
 
 
 def render_bags(found: Analysis) -> str:
