@@ -141,7 +141,7 @@ def test_pause_step_and_resume(lab: Lab) -> None:
 def test_there_is_one_clock(lab: Lab) -> None:
     """The bag's own or a made one, never both; and none beside that of somebody else."""
     write_mcap(lab.path / 'bag', messages(20))
-    own, made = ['--topics', '/said', '--topics', 'clock'], ['--clock', '--topics', '/said,/clock']
+    own, made = ['--topics', '/said', '--topics', 'clock'], ['--clock', '--topics', '/said, /clock']
     for options, low, high in ((own, 0, 980 * MS), (made, BEGIN, BEGIN + 1000 * MS)):
         listener = audience(lab, 'listen', '50', '0')
         finish(lab.command('replay', 'bag', *options))
