@@ -118,12 +118,12 @@ class Taps:
         thorough = now - self._looked >= LOOK_PERIOD
         if thorough:
             self._looked = now
-        for topic, types in self._inputs.get_topic_names_and_types():
+        for topic, _ in self._inputs.get_topic_names_and_types():
             if topic in self._taps:
                 if thorough:
                     self._look_again(topic)
             elif topic not in self.skipped and self._choice.takes(topic):
-                self._begin(topic, types)
+                self._begin(topic)
 
     def take(self) -> None:
         """Write what has come.
@@ -164,13 +164,14 @@ class Taps:
             write(topic, data, received, sent)
             taps[topic].statistics.add(len(data), number)
 
-    def _begin(self, topic: str, types: list[str]) -> None:
+    def _begin(self, topic: str) -> None:
         """Subscribe to a topic that is new, or say why not."""
         publishers = self._inputs.get_publishers_info_by_topic(topic)
         if not publishers:
             return
+        types = sorted({one.topic_type for one in publishers})
         if len(types) > 1:
-            self._skip(topic, f'it has several types: {", ".join(sorted(types))}')
+            self._skip(topic, f'it has several types: {", ".join(types)}')
             return
         try:
             description = installed_schema(types[0])
