@@ -140,10 +140,12 @@ class Player:
                 return []
             assert self._head is not None
             self._begun, self._round = (now, self._head.time), now
-        self.time = max(self.time, self._at(now))
+        until = self._at(now)
+        if self._head is not None:  # who comes late must not let a made clock pass what is still to be given
+            self.time = max(self.time, min(until, self._head.time))
         entries = self._tick(now)
         for _ in range(BATCH):
-            if self._head is None or self._head.time > self.time:
+            if self._head is None or self._head.time > until:
                 break
             entries.append(self._take())
             if not self._fetch() or self._begun is None:  # the end, or that of a round
@@ -210,6 +212,7 @@ class Player:
     def _take(self) -> Entry:
         assert self._head is not None
         entry, self._head = self._head, None
+        self.time = max(self.time, entry.time)
         self._given += 1
         return entry
 

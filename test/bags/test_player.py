@@ -200,6 +200,21 @@ def test_a_made_clock_runs_with_the_bag_and_replaces_its_own():
     assert said(others) == [('/a', 1000 * MS), ('/a', 1100 * MS)]
 
 
+@given(st.lists(st.integers(1, 400), min_size=10, max_size=30))
+@settings(deadline=None)
+def test_a_made_clock_never_passes_what_is_still_to_come(waits):
+    """However late it is asked, so that nobody hears of a time before its messages, nor of one after the end."""
+    played, now, clock = player(Bag(*(('/a', number * 50 * MS) for number in range(40))), clock=True), 0, 0
+    for wait in waits:
+        for entry in played.due(now * MS):
+            if entry.topic == CLOCK:
+                assert clock <= entry.time <= 39 * 50 * MS
+                clock = entry.time
+            else:
+                assert entry.time >= clock
+        now += wait
+
+
 def test_a_made_clock_stands_still_in_a_pause_and_jumps_in_a_step():
     played = player(Bag(('/a', 0), ('/a', 500 * MS)), clock=True)
     played.due(0)
