@@ -283,7 +283,7 @@ def repair(
     ] = None,
 ) -> None:
     """Put all that makes sense in a bag that was cut off or damaged into a new one; say what is saved and lost."""
-    from omni_vehicle_ros.bags.repair import repair as repair_bag
+    from omni_vehicle_ros.bags.repair.repair import repair as repair_bag
     from omni_vehicle_ros.console import ProgressBar
 
     directory = out or Path(f'{bag.resolve().stem}_repaired')
@@ -311,8 +311,8 @@ def analyse_bags(
     ] = None,
 ) -> None:
     """Analyse any bag, or compare several; leave metrics.json and report.html in DIR."""
-    from omni_vehicle_ros.analysis.bag_analysis import analyse, read_subjects
-    from omni_vehicle_ros.analysis.bag_report import write_analysis
+    from omni_vehicle_ros.analysis.bags.analysis import analyse, read_subjects
+    from omni_vehicle_ros.analysis.bags.report import write_analysis
     from omni_vehicle_ros.console import ProgressBar
 
     subjects = read_subjects(bags, load_scenario(scenario) if scenario else None)
@@ -343,7 +343,7 @@ def export_bag(
     ] = None,
 ) -> None:
     """Write a table for each topic of a bag, one column a field, with SI units."""
-    from omni_vehicle_ros.bags.export import FORMATS, export
+    from omni_vehicle_ros.bags.columns.export import FORMATS, export
     from omni_vehicle_ros.console import ProgressBar
 
     choose('--format', kind, FORMATS)

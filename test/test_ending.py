@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from omni_vehicle_ros.bags.mcap_file import McapFile
-from omni_vehicle_ros.bags.mcap_stream import read_messages
+from omni_vehicle_ros.bags.mcap.file_writer import McapFile
+from omni_vehicle_ros.bags.mcap.stream import read_messages
 from omni_vehicle_ros.ending import ENDING, Uninterrupted
 from omni_vehicle_ros.scenarios import load_scenario
 from omni_vehicle_ros.simulation import simulate

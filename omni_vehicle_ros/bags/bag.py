@@ -5,10 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from omni_vehicle_ros.bags.blocks import Block
-from omni_vehicle_ros.bags.columns import Columns, join_columns, make_columns
-from omni_vehicle_ros.bags.foreign import join_blocks
-from omni_vehicle_ros.bags.topic_blocks import TopicBlocks
+from omni_vehicle_ros.bags.columns.blocks import Block
+from omni_vehicle_ros.bags.columns.columns import Columns, join_columns, make_columns
+from omni_vehicle_ros.bags.columns.foreign import join_blocks
+from omni_vehicle_ros.bags.columns.topic_blocks import TopicBlocks
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.interface import TOPICS, resolve
 from omni_vehicle_ros.messages import VALUE_TYPES, MessageError

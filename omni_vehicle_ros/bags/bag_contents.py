@@ -9,7 +9,7 @@ import yaml
 
 from omni_vehicle_ros.bags.metadata import FILE_NAME, ROOT, FileRecord, OfferedQos, TopicRecord, bag_information
 from omni_vehicle_ros.bags.offers import BROKEN_YAML, read_offers
-from omni_vehicle_ros.bags.salvage import Salvage
+from omni_vehicle_ros.bags.repair.salvage import Salvage
 
 LARGEST = 2**22
 """Size of a ``metadata.yaml`` above which it is not read [byte]."""

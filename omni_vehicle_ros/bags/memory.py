@@ -4,7 +4,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from omni_vehicle_ros.bags.bag import Bag
-from omni_vehicle_ros.bags.columns import Columns, make_columns
+from omni_vehicle_ros.bags.columns.columns import Columns, make_columns
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.interface import Qos
 from omni_vehicle_ros.messages import decode

@@ -7,7 +7,7 @@ from heapq import merge
 from itertools import count
 from typing import NamedTuple
 
-from omni_vehicle_ros.bags.mcap_file_reader import RecordedMessage
+from omni_vehicle_ros.bags.mcap.file_reader import RecordedMessage
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.messages import Clock, encode
 

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from omni_vehicle_ros.bags.bag_contents import read_metadata
-from omni_vehicle_ros.bags.definitions import SchemaDefinition
-from omni_vehicle_ros.bags.mcap_file_reader import ChannelFacts, RecordedMessage
-from omni_vehicle_ros.bags.mcap_stream import MessageStream, bag_files
+from omni_vehicle_ros.bags.mcap.definitions import SchemaDefinition
+from omni_vehicle_ros.bags.mcap.file_reader import ChannelFacts, RecordedMessage
+from omni_vehicle_ros.bags.mcap.records import MAGIC
+from omni_vehicle_ros.bags.mcap.stream import MessageStream, bag_files
 from omni_vehicle_ros.bags.metadata import SECOND, OfferedQos
 from omni_vehicle_ros.bags.offers import BROKEN_YAML, convert_offers, read_offers
-from omni_vehicle_ros.bags.records import MAGIC
 from omni_vehicle_ros.errors import BagError
 
 if TYPE_CHECKING:

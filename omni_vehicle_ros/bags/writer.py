@@ -5,7 +5,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn
 
-from omni_vehicle_ros.bags.mcap_file import CHUNK_SIZE, COMPRESSIONS, McapFile
+from omni_vehicle_ros.bags.mcap.file_writer import CHUNK_SIZE, COMPRESSIONS, McapFile
 from omni_vehicle_ros.bags.metadata import (
     FileRecord,
     OfferedQos,

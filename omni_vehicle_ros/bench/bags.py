@@ -14,7 +14,7 @@ import numpy as np
 import zstandard
 
 from omni_vehicle_ros.bags import BagWriter, read_blocks
-from omni_vehicle_ros.bags.records import CHUNK, FOOTER, MAGIC, RECORD
+from omni_vehicle_ros.bags.mcap.records import CHUNK, FOOTER, MAGIC, RECORD
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.interface import TOPICS, Topic
 from omni_vehicle_ros.messages import (

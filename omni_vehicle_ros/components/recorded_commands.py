@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from omni_vehicle_ros.bags.mcap_file_reader import RecordedMessage
+from omni_vehicle_ros.bags.mcap.file_reader import RecordedMessage
 from omni_vehicle_ros.bags.source import open_source
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.interface import ANYONE, DRIVER, TOPICS

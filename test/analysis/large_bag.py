@@ -17,8 +17,8 @@ JOINTS = (*map(steer_joint, WHEELS), *map(drive_joint, WHEELS))
 MEASURE = """
 import resource, sys
 from pathlib import Path
-from omni_vehicle_ros.analysis.bag_analysis import analyse, read_subjects
-from omni_vehicle_ros.analysis.bag_report import write_analysis
+from omni_vehicle_ros.analysis.bags.analysis import analyse, read_subjects
+from omni_vehicle_ros.analysis.bags.report import write_analysis
 found = analyse(read_subjects([Path(sys.argv[1])]))
 directory = Path(sys.argv[2])
 directory.mkdir()

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from omni_vehicle_ros import messages
-from omni_vehicle_ros.analysis.bag_analysis import analyse, read_subjects
-from omni_vehicle_ros.analysis.bag_report import write_analysis
+from omni_vehicle_ros.analysis.bags.analysis import analyse, read_subjects
+from omni_vehicle_ros.analysis.bags.report import write_analysis
 from omni_vehicle_ros.analysis.stream.limits import limits_of
 from omni_vehicle_ros.analysis.stream.reading import BagReader
 from omni_vehicle_ros.analysis.stream.summary import metrics_of

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from omni_vehicle_ros import messages
-from omni_vehicle_ros.analysis.bag_analysis import analyse, read_subjects
-from omni_vehicle_ros.analysis.bag_marks import BAG_COLOURS, mark_events
-from omni_vehicle_ros.analysis.bag_report import write_analysis
+from omni_vehicle_ros.analysis.bags.analysis import analyse, read_subjects
+from omni_vehicle_ros.analysis.bags.marks import BAG_COLOURS, mark_events
+from omni_vehicle_ros.analysis.bags.report import write_analysis
 from omni_vehicle_ros.analysis.plots import stacked_axes
 from omni_vehicle_ros.bags import BagWriter
 from omni_vehicle_ros.errors import RunError

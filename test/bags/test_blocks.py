@@ -12,8 +12,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from omni_vehicle_ros import interface, messages
 from omni_vehicle_ros.bags import BagWriter, blocks, read_blocks
-from omni_vehicle_ros.bags.columns import join_columns, make_columns
-from omni_vehicle_ros.bags.kernel import compiled_walk
+from omni_vehicle_ros.bags.columns.columns import join_columns, make_columns
+from omni_vehicle_ros.bags.columns.kernel import compiled_walk
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.messages import VALUE_TYPES, decode, encode
 

@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 
 from omni_vehicle_ros import interface, messages
 from omni_vehicle_ros.bags import BagWriter, open_bag
-from omni_vehicle_ros.bags.export import ROW_GROUP, export
+from omni_vehicle_ros.bags.columns.export import ROW_GROUP, export
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.messages import encode
 from omni_vehicle_ros.wheels import WHEELS

@@ -22,10 +22,10 @@ from rosbags.rosbag2 import Writer as RosbagsWriter
 from rosbags.typesys import Stores, get_typestore
 
 from omni_vehicle_ros.bags import open_bag
-from omni_vehicle_ros.bags.export import export
-from omni_vehicle_ros.bags.foreign import ForeignType
+from omni_vehicle_ros.bags.columns.export import export
+from omni_vehicle_ros.bags.columns.foreign import ForeignType
+from omni_vehicle_ros.bags.columns.topic_blocks import TopicBlocks
 from omni_vehicle_ros.bags.metadata import SECOND
-from omni_vehicle_ros.bags.topic_blocks import TopicBlocks
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.messages import VALUE_TYPES
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from omni_vehicle_ros.bags.read_ahead import MOST, read_ahead
+from omni_vehicle_ros.bags.columns.read_ahead import MOST, read_ahead
 
 
 def others() -> list[str]:

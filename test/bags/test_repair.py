@@ -19,7 +19,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from omni_vehicle_ros import interface, messages
 from omni_vehicle_ros.bags import BagWriter, read_messages
-from omni_vehicle_ros.bags.repair import repair
+from omni_vehicle_ros.bags.repair.repair import repair
 from omni_vehicle_ros.errors import BagError
 
 CLOCK = interface.topic('/clock')
@@ -218,7 +218,7 @@ def test_a_full_disk_leaves_nothing(tmp_path, bag):
 
 BOUNDED = """
 import resource, sys
-from omni_vehicle_ros.bags.repair import repair
+from omni_vehicle_ros.bags.repair.repair import repair
 from omni_vehicle_ros.errors import BagError
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 try:

@@ -12,7 +12,7 @@ from mcap.writer import CompressionType, Writer
 
 from omni_vehicle_ros import interface, messages
 from omni_vehicle_ros.bags import read_messages
-from omni_vehicle_ros.bags.repair import repair
+from omni_vehicle_ros.bags.repair.repair import repair
 from omni_vehicle_ros.errors import BagError
 
 CLOCK = interface.topic('/clock')

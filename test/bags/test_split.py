@@ -9,7 +9,7 @@ from rosbags.highlevel import AnyReader
 
 from omni_vehicle_ros import interface, messages
 from omni_vehicle_ros.bags import BagWriter, read_messages
-from omni_vehicle_ros.bags.mcap_file import CHUNK_SIZE
+from omni_vehicle_ros.bags.mcap.file_writer import CHUNK_SIZE
 from omni_vehicle_ros.bags.metadata import OfferedQos
 from omni_vehicle_ros.errors import BagError
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from omni_vehicle_ros.bags import Columns, read_messages
 from omni_vehicle_ros.bags.bag_contents import read_metadata
-from omni_vehicle_ros.bags.blocks import ROWS, BlockReader
-from omni_vehicle_ros.bags.columns import make_columns
+from omni_vehicle_ros.bags.columns.blocks import ROWS, BlockReader
+from omni_vehicle_ros.bags.columns.columns import make_columns
 from omni_vehicle_ros.bags.source import RosbagsSource, open_source
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.messages import VALUE_TYPES, decode

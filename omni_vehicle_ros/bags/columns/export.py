@@ -7,10 +7,10 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import IO, Any, NamedTuple, Protocol
 
-from omni_vehicle_ros.bags.columns import Columns, join_columns
-from omni_vehicle_ros.bags.flat import FlatColumn, flat_columns
-from omni_vehicle_ros.bags.foreign import flat_foreign
-from omni_vehicle_ros.bags.topic_blocks import Progress, TopicBlocks
+from omni_vehicle_ros.bags.columns.columns import Columns, join_columns
+from omni_vehicle_ros.bags.columns.flat import FlatColumn, flat_columns
+from omni_vehicle_ros.bags.columns.foreign import flat_foreign
+from omni_vehicle_ros.bags.columns.topic_blocks import Progress, TopicBlocks
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.parameters import did_you_mean
 

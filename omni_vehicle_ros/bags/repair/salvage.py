@@ -7,9 +7,7 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import IO, NamedTuple
 
-from omni_vehicle_ros.bags.chunk import LARGEST_RECORD, check_chunk, chunk_records
-from omni_vehicle_ros.bags.damaged_file import FIRST_OWN_OPCODE, MESSAGE_HEADER, DamagedFile, Record
-from omni_vehicle_ros.bags.definitions import (
+from omni_vehicle_ros.bags.mcap.definitions import (
     Attachment,
     Definitions,
     Fields,
@@ -20,7 +18,9 @@ from omni_vehicle_ros.bags.definitions import (
     read_metadata_record,
     read_statistics,
 )
-from omni_vehicle_ros.bags.records import CHANNEL, CHUNK, FOOTER, MAGIC, MESSAGE, RECORD, SCHEMA, DamageError
+from omni_vehicle_ros.bags.mcap.records import CHANNEL, CHUNK, FOOTER, MAGIC, MESSAGE, RECORD, SCHEMA, DamageError
+from omni_vehicle_ros.bags.repair.chunk import LARGEST_RECORD, check_chunk, chunk_records
+from omni_vehicle_ros.bags.repair.damaged_file import FIRST_OWN_OPCODE, MESSAGE_HEADER, DamagedFile, Record
 
 FILE_HEADER, MESSAGE_INDEX, ATTACHMENT, STATISTICS, METADATA, DATA_END = 1, 7, 9, 11, 12, 15
 LARGEST_EXTRAS = 1000

@@ -10,7 +10,7 @@ from typing import IO, NamedTuple, cast
 import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 
-from omni_vehicle_ros.bags.records import CHANNEL, LARGEST_CHUNK, MESSAGE, RECORD, SCHEMA, DamageError
+from omni_vehicle_ros.bags.mcap.records import CHANNEL, LARGEST_CHUNK, MESSAGE, RECORD, SCHEMA, DamageError
 
 LARGEST_RECORD = 2**28
 """Size of a record above which it is taken for damage [byte]: what is held in memory at a time."""

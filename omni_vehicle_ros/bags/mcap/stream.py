@@ -9,8 +9,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import TypeVar
 
-from omni_vehicle_ros.bags.mcap_file_reader import ChannelFacts, McapFileReader, RecordedMessage
-from omni_vehicle_ros.bags.records import DamageError
+from omni_vehicle_ros.bags.mcap.file_reader import ChannelFacts, McapFileReader, RecordedMessage
+from omni_vehicle_ros.bags.mcap.records import DamageError
 from omni_vehicle_ros.errors import BagError
 
 T = TypeVar('T')

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from omni_vehicle_ros.analysis.bag_marks import BAG_COLOURS
+from omni_vehicle_ros.analysis.bags.marks import BAG_COLOURS
 from omni_vehicle_ros.analysis.path import plot_path
 from omni_vehicle_ros.analysis.plots import LABELS, Plot
 from omni_vehicle_ros.analysis.stream.survey import Survey

@@ -4,12 +4,12 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 
-from omni_vehicle_ros.bags.blocks import Block, BlockReader
-from omni_vehicle_ros.bags.columns import Columns, make_columns
-from omni_vehicle_ros.bags.definitions import SchemaDefinition
-from omni_vehicle_ros.bags.foreign import ForeignType, bag_schemas
-from omni_vehicle_ros.bags.mcap_file_reader import RecordedMessage
-from omni_vehicle_ros.bags.mcap_stream import read_messages
+from omni_vehicle_ros.bags.columns.blocks import Block, BlockReader
+from omni_vehicle_ros.bags.columns.columns import Columns, make_columns
+from omni_vehicle_ros.bags.columns.foreign import ForeignType, bag_schemas
+from omni_vehicle_ros.bags.mcap.definitions import SchemaDefinition
+from omni_vehicle_ros.bags.mcap.file_reader import RecordedMessage
+from omni_vehicle_ros.bags.mcap.stream import read_messages
 from omni_vehicle_ros.bags.source import CDR, RosbagsSource
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import VALUE_TYPES, decode

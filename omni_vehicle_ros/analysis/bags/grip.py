@@ -8,7 +8,7 @@ from matplotlib.colors import to_rgba_array
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from omni_vehicle_ros.analysis.bag_marks import BAG_COLOURS
+from omni_vehicle_ros.analysis.bags.marks import BAG_COLOURS
 from omni_vehicle_ros.analysis.plots import WIDTH, Plot
 from omni_vehicle_ros.analysis.stream.grip import GripMap
 from omni_vehicle_ros.analysis.stream.survey import Survey

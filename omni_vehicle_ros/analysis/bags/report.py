@@ -7,9 +7,9 @@ from typing import Any
 import jinja2
 
 from omni_vehicle_ros import __version__
-from omni_vehicle_ros.analysis.bag_analysis import Analysis, vehicle_of
-from omni_vehicle_ros.analysis.bag_marks import BAG_COLOURS, EVENT_COLOURS
-from omni_vehicle_ros.analysis.bag_plots import draw_surveys
+from omni_vehicle_ros.analysis.bags.analysis import Analysis, vehicle_of
+from omni_vehicle_ros.analysis.bags.marks import BAG_COLOURS, EVENT_COLOURS
+from omni_vehicle_ros.analysis.bags.plots import draw_surveys
 from omni_vehicle_ros.analysis.stream.summary import compared
 from omni_vehicle_ros.analysis.style import WHEEL_COLOURS, house_style, to_svg
 from omni_vehicle_ros.errors import RunError

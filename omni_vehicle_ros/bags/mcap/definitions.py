@@ -4,7 +4,7 @@ import struct
 import zlib
 from typing import NamedTuple
 
-from omni_vehicle_ros.bags.records import DamageError
+from omni_vehicle_ros.bags.mcap.records import DamageError
 
 LARGEST_SCHEMAS = 2**26
 LARGEST_CHANNELS = 2**22

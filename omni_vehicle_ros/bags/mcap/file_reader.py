@@ -8,7 +8,7 @@ from typing import IO, NamedTuple
 import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 
-from omni_vehicle_ros.bags.records import (
+from omni_vehicle_ros.bags.mcap.records import (
     CHANNEL,
     CHUNK,
     FOOTER,

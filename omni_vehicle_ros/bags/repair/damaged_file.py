@@ -6,8 +6,8 @@ import struct
 from collections.abc import Iterator
 from typing import IO, NamedTuple
 
-from omni_vehicle_ros.bags.chunk import LARGEST_RECORD, Chunk, read_chunk_header
-from omni_vehicle_ros.bags.records import CHANNEL, CHUNK, FOOTER, MAGIC, MESSAGE, RECORD, SCHEMA
+from omni_vehicle_ros.bags.mcap.records import CHANNEL, CHUNK, FOOTER, MAGIC, MESSAGE, RECORD, SCHEMA
+from omni_vehicle_ros.bags.repair.chunk import LARGEST_RECORD, Chunk, read_chunk_header
 
 LAST_OPCODE, FIRST_OWN_OPCODE = 15, 128
 MESSAGE_HEADER = struct.Struct('<HIQQ')

@@ -5,13 +5,13 @@ from collections.abc import Callable, Collection, Generator, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from omni_vehicle_ros.bags.columns import Columns
-from omni_vehicle_ros.bags.kernel import compiled_walk
-from omni_vehicle_ros.bags.lanes import Lanes, Topic
-from omni_vehicle_ros.bags.mcap_file_reader import McapFileReader
-from omni_vehicle_ros.bags.mcap_stream import MessageStream, read_messages
-from omni_vehicle_ros.bags.read_ahead import read_ahead
-from omni_vehicle_ros.bags.records import CHANNEL, RECORD, DamageError
+from omni_vehicle_ros.bags.columns.columns import Columns
+from omni_vehicle_ros.bags.columns.kernel import compiled_walk
+from omni_vehicle_ros.bags.columns.lanes import Lanes, Topic
+from omni_vehicle_ros.bags.columns.read_ahead import read_ahead
+from omni_vehicle_ros.bags.mcap.file_reader import McapFileReader
+from omni_vehicle_ros.bags.mcap.records import CHANNEL, RECORD, DamageError
+from omni_vehicle_ros.bags.mcap.stream import MessageStream, read_messages
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.messages import VALUE_TYPES
 

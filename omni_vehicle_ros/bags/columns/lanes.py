@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omni_vehicle_ros.bags.columns import Columns, columns_of_rows, join_columns, make_columns
-from omni_vehicle_ros.bags.kernel import CHANNELS, COUNT, STORE, Walk, words_of
+from omni_vehicle_ros.bags.columns.columns import Columns, columns_of_rows, join_columns, make_columns
+from omni_vehicle_ros.bags.columns.kernel import CHANNELS, COUNT, STORE, Walk, words_of
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import decode
 from omni_vehicle_ros.messages.rows import RowLayout, row_layout

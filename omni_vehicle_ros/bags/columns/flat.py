@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from omni_vehicle_ros.bags.columns import Columns
+from omni_vehicle_ros.bags.columns.columns import Columns
 from omni_vehicle_ros.interface import TOPICS
 
 AXES = ('x', 'y', 'z')

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from omni_vehicle_ros.bags.columns import Array, Columns
-from omni_vehicle_ros.bags.definitions import SchemaDefinition, read_schema
-from omni_vehicle_ros.bags.flat import FlatColumn
-from omni_vehicle_ros.bags.mcap_file_reader import McapFileReader
-from omni_vehicle_ros.bags.mcap_stream import read_messages
+from omni_vehicle_ros.bags.columns.columns import Array, Columns
+from omni_vehicle_ros.bags.columns.flat import FlatColumn
+from omni_vehicle_ros.bags.mcap.definitions import SchemaDefinition, read_schema
+from omni_vehicle_ros.bags.mcap.file_reader import McapFileReader
+from omni_vehicle_ros.bags.mcap.records import RECORD, SCHEMA
+from omni_vehicle_ros.bags.mcap.stream import read_messages
 from omni_vehicle_ros.bags.metadata import SECOND
-from omni_vehicle_ros.bags.records import RECORD, SCHEMA
 from omni_vehicle_ros.errors import MessageError
 
 if TYPE_CHECKING:

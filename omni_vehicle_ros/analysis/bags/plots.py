@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from omni_vehicle_ros.analysis.bag_grip import grip_plots
-from omni_vehicle_ros.analysis.bag_marks import BAG_COLOURS, mark_events
-from omni_vehicle_ros.analysis.bag_paths import path_plots
+from omni_vehicle_ros.analysis.bags.grip import grip_plots
+from omni_vehicle_ros.analysis.bags.marks import BAG_COLOURS, mark_events
+from omni_vehicle_ros.analysis.bags.paths import path_plots
 from omni_vehicle_ros.analysis.plots import HEIGHT, WIDTH, Plot, stacked_axes
 from omni_vehicle_ros.analysis.stream.survey import Survey
 from omni_vehicle_ros.analysis.style import ACCENT, INK, SECOND, WHEEL_COLOURS

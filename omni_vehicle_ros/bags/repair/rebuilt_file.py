@@ -6,9 +6,9 @@ from typing import IO, Any
 from mcap.writer import Writer
 
 from omni_vehicle_ros import __version__
-from omni_vehicle_ros.bags.definitions import Attachment
+from omni_vehicle_ros.bags.mcap.definitions import Attachment
 from omni_vehicle_ros.bags.metadata import as_yaml
-from omni_vehicle_ros.bags.salvage import Salvage, Saved, SavedMessage
+from omni_vehicle_ros.bags.repair.salvage import Salvage, Saved, SavedMessage
 
 BAG_RECORD = 'rosbag2'
 """Name of the metadata record with the metadata of the bag, which is made anew."""

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from omni_vehicle_ros.bags.bag_contents import BagContents, FoundMetadata, read_metadata
-from omni_vehicle_ros.bags.mcap_stream import bag_files
+from omni_vehicle_ros.bags.mcap.stream import bag_files
 from omni_vehicle_ros.bags.metadata import write_metadata
-from omni_vehicle_ros.bags.rebuilt_file import RebuiltFile
-from omni_vehicle_ros.bags.salvage import Salvage, Saved
+from omni_vehicle_ros.bags.repair.rebuilt_file import RebuiltFile
+from omni_vehicle_ros.bags.repair.salvage import Salvage, Saved
 from omni_vehicle_ros.errors import BagError
 
 Progress = Callable[[float], None]

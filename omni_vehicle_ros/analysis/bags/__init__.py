@@ -1,0 +1,1 @@
+"""Reports on bags, one or several side by side."""

@@ -1,0 +1,1 @@
+"""What makes sense of a damaged bag, in a new one."""
