@@ -11,7 +11,8 @@ from numpy.testing import assert_array_equal
 from rosbags.typesys import Stores, get_typestore
 
 from omni_vehicle_ros import interface, messages
-from omni_vehicle_ros.bags import BagWriter, blocks, read_blocks
+from omni_vehicle_ros.bags import BagWriter, read_blocks
+from omni_vehicle_ros.bags.columns import blocks
 from omni_vehicle_ros.bags.columns.columns import join_columns, make_columns
 from omni_vehicle_ros.bags.columns.kernel import compiled_walk
 from omni_vehicle_ros.errors import BagError, MessageError
