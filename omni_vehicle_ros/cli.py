@@ -5,13 +5,15 @@ import os
 import signal
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from omni_vehicle_ros import __version__
+from omni_vehicle_ros.bench import BENCHES
 from omni_vehicle_ros.ending import ENDING, EXIT_SIGNAL
 from omni_vehicle_ros.errors import OmniVehicleError, RunError
 from omni_vehicle_ros.run import (
@@ -25,6 +27,9 @@ from omni_vehicle_ros.run import (
     start_vehicle,
 )
 from omni_vehicle_ros.scenarios import Scenario, load_scenario, scenario_directory, scenario_names
+
+if TYPE_CHECKING:
+    from omni_vehicle_ros.console import ProgressBar
 
 EXIT_USAGE = 2
 GRACE = 10  # s, of an end by a signal
@@ -361,35 +366,37 @@ def export_bag(
         print(line)
 
 
-bench = typer.Typer(no_args_is_help=True, help='Measure how fast this package is on this machine.')
-app.add_typer(bench, name='bench')
-
-
-@bench.callback()
-def bench_group() -> None:
-    """Measure how fast this package is on this machine."""
-
-
-@bench.command('bags')
-def bench_bags(
+@app.command()
+def bench(
+    name: Annotated[
+        str | None, typer.Argument(metavar='[NAME]', help=f'One of: {", ".join(BENCHES)}. Default: all.')
+    ] = None,
     json_file: Annotated[
-        Path | None, typer.Option('--json', metavar='FILE', help='Write the result there, too.')
+        Path | None, typer.Option('--json', metavar='FILE', help='Write the results there, too.')
     ] = None,
 ) -> None:
-    """Read a bag as columns, beside mcap-ros2-support and beside reading and decompressing alone."""
-    from omni_vehicle_ros.bench.bags import ROUNDS, bench
+    """Measure how fast this package is on this machine, each figure beside a bare limit."""
+    from omni_vehicle_ros.bench.frame import machine, run_bench
     from omni_vehicle_ros.console import ProgressBar
 
-    with ProgressBar('bench bags', ROUNDS + 1, 'rounds') as bar:
-        result = bench(bar.advance)
-        bar.advance(ROUNDS + 1)
-    for line in result.lines:
-        print(line)
+    choose('NAME', name or BENCHES[0], BENCHES)
+    found: dict[str, Any] = {'machine': machine()}
+    for one in BENCHES if name is None else (name,):
+        with ProgressBar(f'bench {one}', 100.0, '%') as bar:
+            result = run_bench(one, partial(show_share, bar))
+        found[one] = result.as_json()
+        for line in result.text:
+            print(line, flush=True)
     if json_file is not None:
         try:
-            json_file.write_text(json.dumps(result.as_json(), indent=2) + '\n', encoding='utf-8')
+            json_file.write_text(json.dumps(found, indent=2) + '\n', encoding='utf-8')
         except OSError as error:
             raise RunError(f'{json_file}: {error.strerror}') from None
+
+
+def show_share(bar: 'ProgressBar', done: float) -> None:
+    """Show a share of 0 to 1 on a bar of per cent."""
+    bar.advance(round(100.0 * done))
 
 
 def choose(option: str, value: str, allowed: tuple[str, ...]) -> None:

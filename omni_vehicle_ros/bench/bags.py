@@ -3,18 +3,18 @@
 import os
 import struct
 import tempfile
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import partial
 from itertools import islice
 from pathlib import Path
-from statistics import median
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import zstandard
 
 from omni_vehicle_ros.bags import BagWriter, read_blocks
 from omni_vehicle_ros.bags.mcap.records import CHUNK, FOOTER, MAGIC, RECORD
+from omni_vehicle_ros.bench.frame import CALIBRATION, ROUNDS, Line, Progress, Result, at_least, at_most, interleaved
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.interface import TOPICS, Topic
 from omni_vehicle_ros.messages import (
@@ -35,89 +35,22 @@ CYCLES = 40_000
 """Of 5 ms: 200 s of driving."""
 DIFFERENT = 1000
 """Cycles until the numbers are the same again: far more than a chunk holds."""
-ROUNDS = 5
 DECODED = 10_000
 """Messages that mcap-ros2-support decodes in a round, after a first one: opening the file, 0.1 s, is not counted."""
 PERIOD = SECOND // 200
-CALIBRATION = 100
-"""Sorts of 20,000 numbers."""
 
 
-class Way(NamedTuple):
-    """How a way to read did.
-
-    Attributes
-    ----------
-    rate
-        Messages per second of CPU time, median of the rounds.
-    wall_rate
-        Messages per second.
-    """
-
-    rate: float
-    wall_rate: float
-
-
-class Result(NamedTuple):
-    """What was measured.
-
-    Attributes
-    ----------
-    messages, size
-        Of the bag; size in byte.
-    columns, decoder, decompress
-        By this package; by mcap-ros2-support; reading and decompressing alone.
-    calibration
-        Wall and CPU time of a fixed piece of work [s], medians: more than it was elsewhere means a slower machine, and
-        wall above CPU one that is shared.
-    """
-
-    messages: int
-    size: int
-    columns: Way
-    decoder: Way
-    decompress: Way
-    calibration: tuple[float, float]
-
-    @property
-    def lines(self) -> tuple[str, ...]:
-        """What to print."""
-        wall, cpu = self.calibration
-        rows = (
-            ('columns', self.columns), ('mcap-ros2-support', self.decoder), ('read and decompress', self.decompress)
-        )
-        return (
-            f'{self.messages} messages, {self.size / 2**20:.1f} MiB; messages/s of CPU time (of wall time), medians:',
-            *(f'{name:20} {way.rate:12,.0f} ({way.wall_rate:,.0f})' for name, way in rows),
-            f'columns are {self.columns.rate / self.decoder.rate:.0f} x as fast as mcap-ros2-support and take '
-            f'{self.decompress.rate / self.columns.rate:.2f} x the time of reading and decompressing',
-            f'calibration: {wall * 1e3:.1f} ms wall, {cpu * 1e3:.1f} ms CPU',
-        )
-
-    def as_json(self) -> dict[str, Any]:
-        """Return it as JSON has it."""
-        ways = {name: getattr(self, name)._asdict() for name in ('columns', 'decoder', 'decompress')}
-        return {
-            'messages': self.messages, 'size': self.size, **ways,
-            'columns_per_decoder': self.columns.rate / self.decoder.rate,
-            'time_per_decompress': self.decompress.rate / self.columns.rate,
-            'calibration': {'wall': self.calibration[0], 'cpu': self.calibration[1]},
-        }
-
-
-def bench(
-    progress: Callable[[float], None] = lambda done: None, *, cycles: int = CYCLES, rounds: int = ROUNDS
-) -> Result:
-    """Make a bag, read it in all ways in turn, and return medians.
+def bench(progress: Progress = lambda done: None, *, cycles: int = CYCLES, rounds: int = ROUNDS) -> Result:
+    """Make a bag, read it in all ways in turn, and return messages per second of CPU time.
 
     Parameters
     ----------
     progress
-        Told how many rounds are done; the bag counts as one.
+        Told the share that is done.
     cycles
         Control cycles in the bag.
     rounds
-        After one whose times don't count, in which what is compiled is loaded.
+        As in `interleaved`.
 
     Raises
     ------
@@ -131,31 +64,21 @@ def bench(
     with tempfile.TemporaryDirectory() as folder:
         messages = write_bag(Path(folder) / 'bag', cycles)
         (path,) = (Path(folder) / 'bag').glob('*.mcap')
-        works = (read_columns, decode_messages, decompress, calibrate, open_only)
-        times: list[list[tuple[float, float]]] = []
-        for done in range(rounds + 1):
-            progress(done)
-            times.append([_time(work, path) for work in works])
+        works = (read_columns, decode_messages, decompress, open_only)
+        times = interleaved({work.__name__: partial(work, path) for work in works}, progress, rounds)
         size = path.stat().st_size
-    columns, decoder, alone, calibration, opening = (
-        tuple(median(one[place] for one in way) for place in range(2)) for way in zip(*times[1:], strict=True)
-    )
-    decoded = min(messages - 1, DECODED)
-    decoder_way = _way(decoded, tuple(whole - first for whole, first in zip(decoder, opening, strict=True)))
+    cpu = {name: found.cpu for name, found in times.items()}
+    columns, decoded = cpu['read_columns'] / messages, min(messages - 1, DECODED)
+    decoder = (cpu['decode_messages'] - cpu['open_only']) / decoded
     return Result(
-        messages, size, _way(messages, columns), decoder_way, _way(messages, alone),
-        (calibration[0], calibration[1]),
+        (
+            Line('columns', 'messages/s', 1.0 / columns, 1.0 / decoder, 'mcap-ros2-support', at_least(100.0)),
+            Line('columns', 'us/message', 1e6 * columns, 1e6 * cpu['decompress'] / messages,
+                 'reading and decompressing', at_most(2.5)),
+        ),
+        times[CALIBRATION],
+        (f'{messages} messages, {size / 2**20:.1f} MiB',),
     )
-
-
-def _time(work: Callable[[Path], object], path: Path) -> tuple[float, float]:
-    wall, cpu = time.perf_counter(), time.process_time()
-    work(path)
-    return time.perf_counter() - wall, time.process_time() - cpu
-
-
-def _way(messages: int, times: tuple[float, ...]) -> Way:
-    return Way(rate=messages / times[1], wall_rate=messages / times[0])
 
 
 def read_columns(path: Path) -> int:
@@ -193,13 +116,6 @@ def decompress(path: Path) -> int:
             else:
                 file.seek(length, os.SEEK_CUR)
     return size
-
-
-def calibrate(path: Path) -> None:
-    """Do a fixed piece of work."""
-    numbers = np.random.default_rng(0).random(20_000)
-    for _ in range(CALIBRATION):
-        np.sort(numbers)
 
 
 def write_bag(directory: Path, cycles: int) -> int:
