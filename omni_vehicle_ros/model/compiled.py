@@ -15,22 +15,24 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 
-from omni_vehicle_ros.model import contact, disturbances, dynamics, integrate, loads, loop, state
+from omni_vehicle_ros.model import arithmetic, contact, disturbances, dynamics, integrate, lanes, loads, loop, state
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
+from omni_vehicle_ros.model.lanes import entry
 from omni_vehicle_ros.model.state import State, Vector
 from omni_vehicle_ros.model.tyres import brush, dugoff, force, friction_circle, lugre, magic_formula, slip
 from omni_vehicle_ros.wheels import PerWheel
 
 BRANCHES = (brush, dynamics, integrate, loop, lugre, magic_formula)
 # Worth inlining; beyond them it doubles the time to compile.
-LEAVES = (contact, disturbances, dugoff, force, friction_circle, loads, slip, state)
+LEAVES = (arithmetic, contact, disturbances, dugoff, force, friction_circle, loads, slip, state)
 STATE = 10  # entries of the state
 
 EvaluateKernel = Callable[[Vector, Vector, bool], Evaluation]
 DerivativeKernel = Callable[[Vector, Vector, bool], Vector]
 AdvanceKernel = Callable[[Vector, Vector, int, float, bool], Vector]
 Kernels = tuple[EvaluateKernel, DerivativeKernel, AdvanceKernel]
+Read = Callable[[Vector, int, int], float]
 K = TypeVar('K', bound=tuple[Callable[..., Any], ...])
 
 
@@ -50,71 +52,114 @@ def packed_request(
     return np.array(numbers, dtype=np.float64)
 
 
-def unpacked_constants(numbers: Vector) -> Constants:
-    """Return the constants that `packed_constants` has packed."""
-    lines = (len(numbers) - 34) // 2
+def unpacked_constants(read: Read, numbers: Vector, column: int, shared: Vector) -> Constants:
+    """Return the constants that `packed_constants` has packed.
+
+    Parameters
+    ----------
+    read, numbers, column
+        What to read by, `entry` or `load`, from where, and from which column on.
+    shared
+        The packed constants of one vehicle: kinds and tables are alike in all lanes.
+    """
+    lines = (len(shared) - 34) // 2
     return Constants(
-        mass=numbers[0],
-        yaw_inertia=numbers[1],
-        gravity=numbers[2],
-        wheel_x=four(numbers, 3),
-        wheel_y=four(numbers, 7),
-        front_load=numbers[11],
-        rear_load=numbers[12],
-        front_transfer=numbers[13],
-        rear_transfer=numbers[14],
-        roll_per_acceleration=numbers[15],
-        front_roll_steer=numbers[16],
-        rear_roll_steer=numbers[17],
-        tyre_model=int(numbers[18]),
-        cornering_stiffness=numbers[19],
-        longitudinal_stiffness=numbers[20],
-        adhesion_reduction=numbers[21],
-        magic_shape=numbers[22],
-        magic_curvature=numbers[23],
-        sliding_share=numbers[24],
-        stribeck_speed=numbers[25],
-        full_stretch=numbers[26],
-        friction_circle=numbers[27] != 0.0,
-        relaxation_length=numbers[28],
-        low_speed_damping=numbers[29],
-        rolling_hold=numbers[30],
-        air_density=numbers[31],
-        side_area=numbers[32],
-        airflow_angles=numbers[33 : 33 + lines],
-        side_force_coefficients=numbers[33 + lines : 33 + 2 * lines],
-        aerodynamic_centre=numbers[33 + 2 * lines],
+        mass=read(numbers, 0, column),
+        yaw_inertia=read(numbers, 1, column),
+        gravity=read(numbers, 2, column),
+        wheel_x=four(read, numbers, 3, column),
+        wheel_y=four(read, numbers, 7, column),
+        front_load=read(numbers, 11, column),
+        rear_load=read(numbers, 12, column),
+        front_transfer=read(numbers, 13, column),
+        rear_transfer=read(numbers, 14, column),
+        roll_per_acceleration=read(numbers, 15, column),
+        front_roll_steer=read(numbers, 16, column),
+        rear_roll_steer=read(numbers, 17, column),
+        tyre_model=int(shared[18]),
+        cornering_stiffness=read(numbers, 19, column),
+        longitudinal_stiffness=read(numbers, 20, column),
+        adhesion_reduction=read(numbers, 21, column),
+        magic_shape=read(numbers, 22, column),
+        magic_curvature=read(numbers, 23, column),
+        sliding_share=read(numbers, 24, column),
+        stribeck_speed=read(numbers, 25, column),
+        full_stretch=read(numbers, 26, column),
+        friction_circle=shared[27] != 0.0,
+        relaxation_length=read(numbers, 28, column),
+        low_speed_damping=read(numbers, 29, column),
+        rolling_hold=read(numbers, 30, column),
+        air_density=read(numbers, 31, column),
+        side_area=read(numbers, 32, column),
+        airflow_angles=shared[33 : 33 + lines],
+        side_force_coefficients=shared[33 + lines : 33 + 2 * lines],
+        aerodynamic_centre=read(numbers, 33 + 2 * lines, column),
     )
 
 
-def four(numbers: Vector, first: int) -> PerWheel:
+def four(read: Read, numbers: Vector, first: int, column: int) -> PerWheel:
     """Return four numbers from one place on."""
-    return numbers[first], numbers[first + 1], numbers[first + 2], numbers[first + 3]
+    return (
+        read(numbers, first, column),
+        read(numbers, first + 1, column),
+        read(numbers, first + 2, column),
+        read(numbers, first + 3, column),
+    )
 
 
-def _state(n: Vector) -> State:
-    return State(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9])
+def request_state(read: Read, numbers: Vector, column: int) -> State:
+    """Return the state of a packed request."""
+    return State(
+        read(numbers, 0, column),
+        read(numbers, 1, column),
+        read(numbers, 2, column),
+        read(numbers, 3, column),
+        read(numbers, 4, column),
+        read(numbers, 5, column),
+        read(numbers, 6, column),
+        read(numbers, 7, column),
+        read(numbers, 8, column),
+        read(numbers, 9, column),
+    )
 
 
-def request_inputs(numbers: Vector, first: int) -> Inputs:
+def request_inputs(read: Read, numbers: Vector, first: int, column: int) -> Inputs:
     """Return the inputs of a packed request, whose state has ``first`` entries."""
-    return Inputs(four(numbers, first), four(numbers, first + 4), four(numbers, first + 8))
+    return Inputs(
+        four(read, numbers, first, column),
+        four(read, numbers, first + 4, column),
+        four(read, numbers, first + 8, column),
+    )
 
 
-def request_environment(numbers: Vector, first: int) -> Environment:
+def request_environment(read: Read, numbers: Vector, first: int, column: int) -> Environment:
     """Return the environment of a packed request, whose state has ``first`` entries."""
-    return Environment(numbers[first + 12], numbers[first + 13], four(numbers, first + 14))
+    friction = four(read, numbers, first + 14, column)
+    return Environment(read(numbers, first + 12, column), read(numbers, first + 13, column), friction)
 
 
-def request_rates(numbers: Vector, first: int) -> PerWheel:
+def request_rates(read: Read, numbers: Vector, first: int, column: int) -> PerWheel:
     """Return the steer rates of a packed request, whose state has ``first`` entries [rad/s]."""
-    return four(numbers, first + 18)
+    return four(read, numbers, first + 18, column)
+
+
+def unpacked_request(read: Read, numbers: Vector, column: int) -> tuple[State, Inputs, Environment]:
+    """Return what `packed_request` has packed, but for the rates."""
+    return (
+        request_state(read, numbers, column),
+        request_inputs(read, numbers, STATE, column),
+        request_environment(read, numbers, STATE, column),
+    )
+
+
+UNPACKERS = (
+    entry, unpacked_constants, four, request_state, request_inputs, request_environment, request_rates, unpacked_request,
+)
 
 
 def compile_physics() -> Kernels | tuple[None, None, None]:
     """Return the kernels, not compiled before their first call; None where there is no way to compile."""
-    unpackers = unpacked_constants, four, _state, request_inputs, request_environment, request_rates
-    return compile_kernels(kernels, unpackers, BRANCHES, LEAVES) or (None, None, None)
+    return compile_kernels(kernels, UNPACKERS, BRANCHES, LEAVES) or (None, None, None)
 
 
 def compile_kernels(
@@ -123,6 +168,7 @@ def compile_kernels(
     branches: tuple[ModuleType, ...],
     leaves: tuple[ModuleType, ...],
     used: tuple[ModuleType, ...] = (),
+    nogil: bool = False,
 ) -> K | None:
     """Return some kernels, not compiled before their first call; None where there is no way to compile.
 
@@ -136,10 +182,14 @@ def compile_kernels(
         Modules of the physics; leaves are worth inlining.
     used
         Further modules, which `compile_physics` has seen to already.
+    nogil
+        Whether other threads run on meanwhile: worth it for long work only.
     """
     try:
         from numba import config, njit
         from numba.extending import register_jitable
+
+        from omni_vehicle_ros.model import compiled_lanes
     except ImportError:
         return None
     if config.DISABLE_JIT:
@@ -151,9 +201,9 @@ def compile_kernels(
         register_jitable(_nrt=False)(function)
     for function in itertools.chain(*map(_functions, leaves)):
         register_jitable(forceinline=True, _nrt=False)(function)
-    plain = make(''.join(map(inspect.getsource, (*branches, *leaves, *used))))
+    plain = make(''.join(map(inspect.getsource, (lanes, compiled_lanes, *branches, *leaves, *used))))
     # Without fastmath, for the same bits in every process. No check for division by 0, which never happens.
-    compiler = njit(cache=True, error_model='numpy')
+    compiler = njit(cache=True, error_model='numpy', nogil=nogil)
     try:
         return cast(K, tuple(map(compiler, plain)))
     except RuntimeError as error:
@@ -177,18 +227,18 @@ def kernels(source: str) -> Kernels:
     """
     def evaluate(request: Vector, constants: Vector, constant_speed: bool) -> Evaluation:
         source  # noqa: B018
-        now, inputs, environment = _state(request), request_inputs(request, STATE), request_environment(request, STATE)
-        return dynamics.evaluation(now, inputs, environment, unpacked_constants(constants), constant_speed)
+        now, inputs, environment = unpacked_request(entry, request, 0)
+        return dynamics.evaluation(now, inputs, environment, unpacked_constants(entry, constants, 0, constants), constant_speed)
 
     def derivative(request: Vector, constants: Vector, constant_speed: bool) -> Vector:
         source  # noqa: B018
-        now, inputs, environment = _state(request), request_inputs(request, STATE), request_environment(request, STATE)
-        return np.array(dynamics.state_rate(now, inputs, environment, unpacked_constants(constants), constant_speed))
+        now, inputs, environment = unpacked_request(entry, request, 0)
+        return np.array(dynamics.state_rate(now, inputs, environment, unpacked_constants(entry, constants, 0, constants), constant_speed))
 
     def advance(request: Vector, constants: Vector, steps: int, size: float, constant_speed: bool) -> Vector:
         source  # noqa: B018
-        now, inputs, environment = _state(request), request_inputs(request, STATE), request_environment(request, STATE)
-        rates, model = request_rates(request, STATE), unpacked_constants(constants)
+        now, inputs, environment = unpacked_request(entry, request, 0)
+        rates, model = request_rates(entry, request, STATE, 0), unpacked_constants(entry, constants, 0, constants)
         end = integrate.integrate(now, inputs, rates, environment, model, steps, size, constant_speed)
         return np.array(end)
 

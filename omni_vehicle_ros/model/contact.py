@@ -15,6 +15,8 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.model.constants import Constants
+from omni_vehicle_ros.model.arithmetic import cos_sin, norm
+from omni_vehicle_ros.model.lanes import anywhere, select
 from omni_vehicle_ros.model.tyres.force import side_force
 from omni_vehicle_ros.model.tyres.friction_circle import lateral_capacity, limited_drive_force
 from omni_vehicle_ros.model.tyres.slip import side_slip_angle
@@ -54,11 +56,7 @@ def low_speed_weight(speed: float) -> float:
     speed
         Speed of the contact over ground [m/s], >= 0.
     """
-    if speed >= WALKING_PACE:
-        return 0.0
-    if speed <= CREEPING_PACE:
-        return 1.0
-    share = (WALKING_PACE - speed) / (WALKING_PACE - CREEPING_PACE)
+    share = max(0.0, min(1.0, (WALKING_PACE - speed) / (WALKING_PACE - CREEPING_PACE)))
     return share * share * (3.0 - 2.0 * share)
 
 
@@ -72,9 +70,7 @@ def rolling_hold(v_long: float, speed: float, constants: Constants) -> float:
     constants
         The vehicle.
     """
-    if speed >= HOLDING_PACE:
-        return 0.0
-    share = 1.0 - speed / HOLDING_PACE
+    share = max(0.0, 1.0 - speed / HOLDING_PACE)
     return -constants.rolling_hold * share * share * v_long
 
 
@@ -91,9 +87,7 @@ def largest_slip(contact: Contact, stiffness: float, constants: Constants) -> fl
         The vehicle.
     """
     slip = constants.full_stretch * contact.friction * contact.load / stiffness
-    if slip > LARGEST_SLIP:
-        return LARGEST_SLIP
-    return slip if slip > SMALLEST_SLIP else SMALLEST_SLIP
+    return max(SMALLEST_SLIP, min(LARGEST_SLIP, slip))
 
 
 def turned(contact: Contact, cos_roll: float, sin_roll: float) -> tuple[float, float]:
@@ -131,19 +125,14 @@ def trim(contact: Contact, cos_roll: float, sin_roll: float) -> float:
     cos_roll, sin_roll
         Of the angle by which roll turns the wheel.
     """
-    if contact.trim_share == 0.0:
-        return 0.0
     v_long, v_lat = turned(contact, cos_roll, sin_roll)
-    slip = math.atan2(-v_lat, v_long) if v_long >= 0.0 else math.atan2(v_lat, -v_long)
+    slip = math.atan2(select(v_long >= 0.0, -v_lat, v_lat), abs(v_long))
     return -contact.trim_share * slip
 
 
 def trimmed(contact: Contact, cos_roll: float, sin_roll: float) -> Contact:
     """Return the wheel at its real steer angle; parameters as in `trim`."""
-    if contact.trim_share == 0.0:
-        return contact
-    angle = trim(contact, cos_roll, sin_roll)
-    cos, sin = math.cos(angle), math.sin(angle)
+    cos, sin = cos_sin(trim(contact, cos_roll, sin_roll))
     v_long, v_lat = turned(contact, cos, sin)
     return Contact(
         v_long,
@@ -170,9 +159,8 @@ def deflection_rate(contact: Contact, v_long: float, v_lat: float, constants: Co
     constants
         The vehicle.
     """
-    rolling, dragging = abs(v_long), abs(v_lat) / largest_slip(contact, constants.cornering_stiffness, constants)
-    rate = (rolling if rolling > dragging else dragging) / constants.relaxation_length
-    return relaxing(-v_lat, rate, contact.deflection)
+    dragging = abs(v_lat) / largest_slip(contact, constants.cornering_stiffness, constants)
+    return relaxing(-v_lat, max(abs(v_long), dragging) / constants.relaxation_length, contact.deflection)
 
 
 def relaxing(velocity: float, rate: float, deflection: float) -> float:
@@ -187,10 +175,12 @@ def relaxing(velocity: float, rate: float, deflection: float) -> float:
     deflection
         Of the tyre [m].
     """
-    if rate <= FASTEST_RELAXATION:
-        return velocity - rate * deflection
-    # The same steady deflection, approached no faster than the integrator can follow.
-    return FASTEST_RELAXATION * (velocity / rate - deflection)
+    approach = velocity - rate * deflection
+    fast = rate > FASTEST_RELAXATION
+    if anywhere(fast):
+        # The same steady deflection, approached no faster than the integrator can follow.
+        approach = select(fast, FASTEST_RELAXATION * (velocity / rate - deflection), approach)
+    return approach
 
 
 def deflection_slip(contact: Contact, v_long: float, v_lat: float, weight: float, constants: Constants) -> float:
@@ -225,24 +215,20 @@ def wheel_force(
     constants
         The vehicle; its ``friction_circle`` says whether traction costs side force (thesis eq. 4.1, 4.2).
     """
-    v_long, v_lat, _, traction, _, friction, _, _, _ = contact
-    if sin_roll != 0.0:
-        v_long, v_lat = v_long * cos_roll + v_lat * sin_roll, v_lat * cos_roll - v_long * sin_roll
-    capacity = friction * load
+    v_long, v_lat = turned(contact, cos_roll, sin_roll)
+    traction, capacity = contact.drive_force, contact.friction * load
     square = v_long * v_long + v_lat * v_lat
-    if square < HOLDING_PACE_SQUARED:
-        traction += rolling_hold(v_long, math.sqrt(square), constants)
-    if traction != 0.0:
+    if anywhere(square < HOLDING_PACE_SQUARED):
+        traction = traction + rolling_hold(v_long, math.sqrt(square), constants)
+    if anywhere(traction != 0.0):
         traction = limited_drive_force(traction, capacity)
         if constants.friction_circle:
             capacity = lateral_capacity(capacity, traction)
-    if square >= WALKING_PACE_SQUARED:
-        return traction, side_force(-v_lat, abs(v_long), v_lat, capacity, constants)
-    weight = low_speed_weight(math.sqrt(square))
-    slip = deflection_slip(contact, v_long, v_lat, weight, constants)
-    lateral = weight * side_force(slip, 1.0, v_lat, capacity, constants)
-    if weight < 1.0:
-        lateral += (1.0 - weight) * side_force(-v_lat, abs(v_long), v_lat, capacity, constants)
+    lateral = side_force(-v_lat, abs(v_long), v_lat, capacity, constants)
+    if anywhere(square < WALKING_PACE_SQUARED):
+        weight = low_speed_weight(math.sqrt(square))
+        slip = deflection_slip(contact, v_long, v_lat, weight, constants)
+        lateral = (1.0 - weight) * lateral + weight * side_force(slip, 1.0, v_lat, capacity, constants)
     return traction, lateral
 
 
@@ -255,9 +241,8 @@ def side_slip(contact: Contact, cos_roll: float, sin_roll: float, constants: Con
         As in `wheel_force`.
     """
     v_long, v_lat = turned(contact, cos_roll, sin_roll)
-    weight = low_speed_weight(math.hypot(v_long, v_lat))
-    rolling = side_slip_angle(v_long, v_lat) if weight < 1.0 else 0.0
-    if weight == 0.0:
-        return rolling
-    slow = math.atan(deflection_slip(contact, v_long, v_lat, weight, constants))
-    return (1.0 - weight) * rolling + weight * slow
+    angle, weight = side_slip_angle(v_long, v_lat), low_speed_weight(norm(v_long, v_lat))
+    if anywhere(weight > 0.0):
+        slow = math.atan(deflection_slip(contact, v_long, v_lat, weight, constants))
+        angle = (1.0 - weight) * angle + weight * slow
+    return angle

@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.model.constants import Constants
+from omni_vehicle_ros.model.arithmetic import cos_sin
+from omni_vehicle_ros.model.lanes import anywhere, select
 
 # Thesis, Table 4.1: upper wind speed of each pair of numbers (B0 and B1, B2 and B3, ...) [m/s].
 WIND_BOUNDS = (
@@ -51,7 +53,7 @@ def bank_force(bank: float, constants: Constants) -> float:
     constants
         The vehicle.
     """
-    return constants.mass * constants.gravity * math.sin(bank)
+    return constants.mass * constants.gravity * cos_sin(bank)[1]
 
 
 def side_force_coefficient(airflow_angle: float, constants: Constants) -> float:
@@ -68,12 +70,13 @@ def side_force_coefficient(airflow_angle: float, constants: Constants) -> float:
         The vehicle.
     """
     low_angle = low_value = 0.0
+    coefficient = 0.0 * airflow_angle
     for line in range(len(constants.airflow_angles)):
         angle, value = constants.airflow_angles[line], constants.side_force_coefficients[line]
-        if airflow_angle < angle:
-            return low_value + (airflow_angle - low_angle) / (angle - low_angle) * (value - low_value)
+        share = min(1.0, (airflow_angle - low_angle) / (angle - low_angle))
+        coefficient = select(airflow_angle < low_angle, coefficient, low_value + share * (value - low_value))
         low_angle, low_value = angle, value
-    return low_value
+    return coefficient
 
 
 def wind_force(wind: float, speed: float, constants: Constants) -> float:
@@ -88,8 +91,8 @@ def wind_force(wind: float, speed: float, constants: Constants) -> float:
     constants
         The vehicle.
     """
-    if wind == 0.0:
-        return 0.0
+    if not anywhere(wind != 0.0):
+        return 0.0 * wind
     coefficient = side_force_coefficient(math.atan2(abs(wind), abs(speed)), constants)
     pressure = 0.5 * constants.air_density * (speed * speed + wind * wind)
     return math.copysign(pressure * coefficient * constants.side_area, wind)

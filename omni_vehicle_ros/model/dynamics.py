@@ -6,7 +6,6 @@ algebraic loop is solved in every evaluation, so that the answer depends neither
 Written in the part of Python that numba compiles (see `compiled`); users call `body` and `plant`.
 """
 
-import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.model.constants import Constants
@@ -21,6 +20,8 @@ from omni_vehicle_ros.model.contact import (
     wheel_force,
 )
 from omni_vehicle_ros.model.disturbances import bank_force, wind_force, wind_moment
+from omni_vehicle_ros.model.arithmetic import cos_sin, norm, positive
+from omni_vehicle_ros.model.lanes import anywhere, select
 from omni_vehicle_ros.model.loads import lifted, roll_angle, static_loads, vertical_loads
 from omni_vehicle_ros.model.loop import solve_loop
 from omni_vehicle_ros.model.state import State
@@ -129,7 +130,7 @@ def state_rate(
     wind = wind_force(environment.wind, state.vx, constants)
     side_force = bank_force(environment.bank, constants) + wind
     cos_front, sin_front, cos_rear, sin_rear = roll_steer(constants.roll_per_acceleration * ay, constants)
-    cos_psi, sin_psi = math.cos(state.psi), math.sin(state.psi)
+    cos_psi, sin_psi = cos_sin(state.psi)
     return State(
         0.0 if constant_speed else force_x / constants.mass + state.vy * state.r,
         ay + side_force / constants.mass - state.vx * state.r,
@@ -197,7 +198,7 @@ def trims(contacts: Contacts, roll: float, constants: Constants) -> PerWheel:
 def _trimmed(contacts: Contacts, ay: float, constants: Constants) -> Contacts:
     """Return the wheels at their real steer angles."""
     fl, fr, rl, rr = contacts
-    if fl.trim_share == fr.trim_share == rl.trim_share == rr.trim_share == 0.0:
+    if not anywhere(fl.trim_share + fr.trim_share + rl.trim_share + rr.trim_share > 0.0):
         return contacts
     cos_front, sin_front, cos_rear, sin_rear = roll_steer(constants.roll_per_acceleration * ay, constants)
     return (
@@ -213,10 +214,16 @@ def leftward(contact: Contact, force: Pair) -> float:
     return force[0] * contact.sin_steer + force[1] * contact.cos_steer
 
 
+def forward(contact: Contact, force: Pair) -> float:
+    """Return the component forward along the body [N] of a force along and across the wheel [N]."""
+    return force[0] * contact.cos_steer - force[1] * contact.sin_steer
+
+
 def roll_steer(roll: float, constants: Constants) -> tuple[float, float, float, float]:
     """Return cosine and sine of the roll steer of the front wheels, then of the rear ones, at a roll angle [rad]."""
-    front, rear = constants.front_roll_steer * roll, constants.rear_roll_steer * roll
-    return math.cos(front), math.sin(front), math.cos(rear), math.sin(rear)
+    cos_front, sin_front = cos_sin(constants.front_roll_steer * roll)
+    cos_rear, sin_rear = cos_sin(constants.rear_roll_steer * roll)
+    return cos_front, sin_front, cos_rear, sin_rear
 
 
 def wheel_contacts(
@@ -245,11 +252,13 @@ def _contact(
     friction: float,
     constants: Constants,
 ) -> Contact:
-    cos, sin = math.cos(steer_angle), math.sin(steer_angle)
+    cos, sin = cos_sin(steer_angle)
     along = state.vx - constants.wheel_y[wheel] * state.r
     across = state.vy + constants.wheel_x[wheel] * state.r
     v_long, v_lat = along * cos + across * sin, across * cos - along * sin
-    share = trim_share(slip_gain, math.hypot(along, across)) if slip_gain > 0.0 else 0.0
+    share = 0.0 * slip_gain
+    if anywhere(slip_gain > 0.0):
+        share = trim_share(slip_gain, norm(along, across))
     return Contact(v_long, v_lat, deflection, drive_force, load, max(0.0, friction), cos, sin, share)
 
 
@@ -265,16 +274,17 @@ def body_force_and_moment(contacts: Contacts, forces: WheelForces, constants: Co
     constants
         The vehicle.
     """
-    forward = moment = 0.0
-    for wheel in range(4):
-        contact, force = contacts[wheel], forces[wheel]
-        force_x = force[0] * contact.cos_steer - force[1] * contact.sin_steer
-        forward += force_x
-        moment += constants.wheel_x[wheel] * leftward(contact, force) - constants.wheel_y[wheel] * force_x
-    return forward, moment
+    fl, fr, rl, rr = contacts
+    force_fl, force_fr, force_rl, force_rr = forces
+    x, y = constants.wheel_x, constants.wheel_y
+    forward_fl, forward_fr = forward(fl, force_fl), forward(fr, force_fr)
+    forward_rl, forward_rr = forward(rl, force_rl), forward(rr, force_rr)
+    front = x[0] * leftward(fl, force_fl) - y[0] * forward_fl + x[1] * leftward(fr, force_fr) - y[1] * forward_fr
+    rear = x[2] * leftward(rl, force_rl) - y[2] * forward_rl + x[3] * leftward(rr, force_rr) - y[3] * forward_rr
+    return forward_fl + forward_fr + forward_rl + forward_rr, front + rear
 
 
 def use_of_friction(contact: Contact, force: Pair, load: float) -> float:
     """Return the size of a force in the road plane over friction times load [N]; 0 for a wheel in the air."""
     capacity = contact.friction * load
-    return math.hypot(force[0], force[1]) / capacity if capacity > 0.0 else 0.0
+    return select(capacity > 0.0, norm(force[0], force[1]) / positive(capacity), 0.0)

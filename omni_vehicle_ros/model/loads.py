@@ -4,9 +4,8 @@ Past wheel lift the model has no roll dynamics to tell the truth with: the inner
 carries the whole axle, and the moment beyond that is dropped. Every axle keeps its load.
 """
 
-import math
-
 from omni_vehicle_ros.model.constants import Constants
+from omni_vehicle_ros.model.arithmetic import cos_sin
 from omni_vehicle_ros.wheels import PerWheel
 
 LIFT_TOLERANCE = 1e-9  # share of the static load
@@ -22,7 +21,7 @@ def static_loads(constants: Constants, bank: float = 0.0) -> PerWheel:
     bank
         Bank angle of the road [rad]; loads scale with its cosine (thesis sec. 4.4.1).
     """
-    share = max(0.0, math.cos(bank))
+    share = max(0.0, cos_sin(bank)[0])
     front, rear = constants.front_load * share, constants.rear_load * share
     return front, front, rear, rear
 
@@ -52,10 +51,8 @@ def shifted_loads(front_shift: float, rear_shift: float, front: float, rear: flo
     front, rear
         Static load of one front and of one rear wheel [N]; see `static_loads`.
     """
-    if abs(front_shift) > front:
-        front_shift = math.copysign(front, front_shift)
-    if abs(rear_shift) > rear:
-        rear_shift = math.copysign(rear, rear_shift)
+    front_shift = max(-front, min(front, front_shift))
+    rear_shift = max(-rear, min(rear, rear_shift))
     return front - front_shift, front + front_shift, rear - rear_shift, rear + rear_shift
 
 

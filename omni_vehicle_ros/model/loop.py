@@ -6,6 +6,8 @@ Written in the part of Python that numba compiles.
 from collections.abc import Callable
 from typing import TypeVar
 
+from omni_vehicle_ros.model.lanes import anywhere, select
+
 LOOP_TOLERANCE = 1e-11  # of 1 m/s2 plus the acceleration
 LOOP_STEPS = 12
 BISECTIONS = 64
@@ -34,33 +36,34 @@ def solve_loop(
         For the response.
     """
     guess = slope = last = gap_last = gap_before_last = 0.0
+    unsolved = False
     for number in range(LOOP_STEPS):
         reached, forces = response(guess, wheels, constants)
         gap = reached - guess
-        if abs(gap) <= LOOP_TOLERANCE * (1.0 + abs(guess)):
+        unsolved = abs(gap) > LOOP_TOLERANCE * (1.0 + abs(guess))
+        if not anywhere(unsolved):
             return reached, forces
-        if number == 0:
-            step = gap
-        elif gap in (gap_last, gap_before_last):
+        moving = unsolved & (gap != gap_last) & (gap != gap_before_last)
+        if not anywhere(moving):
             break
-        else:
+        step = gap
+        if number > 0:
             # Newton's form of the inverse interpolation through the last points, taken at gap 0.
             slope_last, slope = slope, (guess - last) / (gap - gap_last)
             bend = (slope - slope_last) / (gap - gap_before_last) if number > 1 else 0.0
             step = gap * (gap_last * bend - slope)
         gap_before_last, gap_last, last = gap_last, gap, guess
-        guess = max(-limit, min(limit, guess + step))
-    return _bisect(response, limit, wheels, constants)
+        guess = select(moving, max(-limit, min(limit, guess + step)), guess)
+    guess = select(unsolved, _bisect(response, limit, wheels, constants), guess)
+    return response(guess, wheels, constants)
 
 
 def _bisect(
     response: Response[Wheels, Vehicle, Forces], limit: float, wheels: Wheels, constants: Vehicle
-) -> tuple[float, Forces]:
+) -> float:
     low, high = -limit, limit
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if response(middle, wheels, constants)[0] > middle:
-            low = middle
-        else:
-            high = middle
-    return response(0.5 * (low + high), wheels, constants)
+        above = response(middle, wheels, constants)[0] > middle
+        low, high = select(above, middle, low), select(above, high, middle)
+    return 0.5 * (low + high)

@@ -22,6 +22,7 @@ from omni_vehicle_ros.model.dynamics import Evaluation
 from omni_vehicle_ros.model.eight_dof import dynamics, integrate, rolling, state
 from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
 from omni_vehicle_ros.model.eight_dof.state import EightDofState
+from omni_vehicle_ros.model.lanes import entry
 from omni_vehicle_ros.model.state import Vector
 
 BRANCHES = (dynamics, integrate, rolling)
@@ -40,7 +41,7 @@ def packed_eight_dof(model: EightDofConstants) -> Vector:
 
 def _unpacked(n: Vector) -> EightDofConstants:
     return EightDofConstants(
-        plane=unpacked_constants(n[SCALARS:]),
+        plane=unpacked_constants(entry, n[SCALARS:], 0, n[SCALARS:]),
         roll_inertia=n[0],
         roll_yaw_inertia=n[1],
         roll_coupling=n[2],
@@ -61,7 +62,7 @@ def _unpacked(n: Vector) -> EightDofConstants:
 
 
 def _state(n: Vector) -> EightDofState:
-    return EightDofState(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], four(n, 8), four(n, 12), four(n, 16))
+    return EightDofState(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], four(entry, n, 8, 0), four(entry, n, 12, 0), four(entry, n, 16, 0))
 
 
 def _vector(now: EightDofState) -> Vector:
@@ -88,13 +89,15 @@ def kernels(source: str) -> Kernels:
     """
     def evaluate(request: Vector, constants: Vector, constant_speed: bool) -> Evaluation:
         source  # noqa: B018
-        inputs, environment = request_inputs(request, STATE), request_environment(request, STATE)
+        inputs = request_inputs(entry, request, STATE, 0)
+        environment = request_environment(entry, request, STATE, 0)
         return dynamics.evaluation(_state(request), inputs, environment, _unpacked(constants), constant_speed)
 
     def advance(request: Vector, constants: Vector, steps: int, size: float, constant_speed: bool) -> Vector:
         source  # noqa: B018
-        inputs, environment = request_inputs(request, STATE), request_environment(request, STATE)
-        now, rates, model = _state(request), request_rates(request, STATE), _unpacked(constants)
+        inputs = request_inputs(entry, request, STATE, 0)
+        environment = request_environment(entry, request, STATE, 0)
+        now, rates, model = _state(request), request_rates(entry, request, STATE, 0), _unpacked(constants)
         return _vector(
             integrate.integrate(now, inputs, rates, environment, model, steps, size, constant_speed)
         )

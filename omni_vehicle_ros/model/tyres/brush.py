@@ -11,6 +11,9 @@ which in one direction is mu Fz (3 psi - 3 psi^2 + psi^3). From psi = 1 on all o
 
 import math
 
+from omni_vehicle_ros.model.arithmetic import norm, positive
+from omni_vehicle_ros.model.lanes import select
+
 FULL_STRETCH = 1.5  # slip, in units of capacity over stiffness, at 7/8 of the grip: psi = 1/2
 
 
@@ -30,15 +33,11 @@ def brush_force(
         Longitudinal stiffness per unit slip [N] and cornering stiffness [N/rad].
     """
     slip_long, slip_lat = slip
-    size = math.hypot(slip_long, slip_lat)
-    if size == 0.0:
-        return 0.0, 0.0
+    size = positive(norm(slip_long, slip_lat))
     demand_long, demand_lat = stiffness[0] * slip_long, stiffness[1] * slip_lat
-    demand, limit = math.hypot(demand_long, demand_lat), 3.0 * capacity * rolling
-    if demand >= limit:
-        return capacity * (slip_long / size), capacity * (slip_lat / size)
-    psi = demand / limit
-    sticking = (1.0 - psi) * (1.0 - psi) / rolling
+    demand, limit = norm(demand_long, demand_lat), 3.0 * capacity * rolling
+    psi = select(demand >= limit, 1.0, demand / positive(limit))
+    sticking = (1.0 - psi) * (1.0 - psi) / positive(rolling)
     sliding = psi * psi * (3.0 - 2.0 * psi) * capacity / size
     return sticking * demand_long + sliding * slip_long, sticking * demand_lat + sliding * slip_lat
 

@@ -5,6 +5,7 @@ The adhesion reduction factor belongs to this tyre: the faster it slides, the le
 
 import math
 
+from omni_vehicle_ros.model.lanes import select
 from omni_vehicle_ros.model.tyres.slip import slip_ratio
 
 FULL_STRETCH = 2.0  # slip, in units of grip over stiffness, at 7/8 of the grip: lambda = 1/4
@@ -26,8 +27,7 @@ def grip(capacity: float, v_lat: float, adhesion_reduction: float) -> float:
     adhesion_reduction
         Road adhesion reduction factor eps_r [s/m].
     """
-    rest = 1.0 - adhesion_reduction * abs(v_lat)
-    return capacity * rest if rest > 0.0 else 0.0
+    return capacity * max(0.0, 1.0 - adhesion_reduction * abs(v_lat))
 
 
 def dugoff(numerator: float, denominator: float, grip: float, stiffness: float) -> float:
@@ -49,9 +49,11 @@ def dugoff(numerator: float, denominator: float, grip: float, stiffness: float) 
     """
     available = grip * denominator
     needed = 2.0 * stiffness * abs(numerator)
-    if available >= needed:
-        return stiffness * numerator / denominator if denominator > 0.0 else 0.0
-    return math.copysign(grip * (1.0 - 0.5 * available / needed), numerator)
+    linear = available >= needed
+    # One division for both sides: of C tan(alpha), and of half of lambda = available / needed.
+    divisor = select(linear, denominator, needed)
+    quotient = select(linear, stiffness * numerator, 0.5 * available) / select(divisor > 0.0, divisor, 1.0)
+    return select(linear, quotient, math.copysign(grip * (1.0 - quotient), numerator))
 
 
 def lateral_force(

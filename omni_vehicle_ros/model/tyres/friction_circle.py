@@ -19,4 +19,4 @@ def lateral_capacity(capacity: float, longitudinal_force: float) -> float:
         Traction or brake force on the tyre [N]; beyond the capacity nothing is left.
     """
     rest = (capacity - longitudinal_force) * (capacity + longitudinal_force)
-    return math.sqrt(rest) if rest > 0.0 else 0.0
+    return math.sqrt(max(0.0, rest))

@@ -18,6 +18,9 @@ default share and speed of the Stribeck curve, 0.5 / 0.9 and 12.5 m/s, are those
 
 import math
 
+from omni_vehicle_ros.model.arithmetic import norm, positive
+from omni_vehicle_ros.model.lanes import select
+
 FULL_STRETCH = 8.0 / 2.0  # slip, in units of capacity over stiffness, at 7/8 of the grip: x = 8
 SERIES, FAR = 0.02, 700.0  # x below which the closed form loses digits, and from which on exp(-x) is nothing
 
@@ -47,12 +50,11 @@ def patch_share(needed: float, available: float) -> float:
     needed, available
         Any two numbers >= 0 in the proportion of x; 0 available stands for infinity.
     """
-    if needed >= FAR * available:
-        return 1.0 - available / needed if needed > 0.0 else 0.0
-    x = needed / available
-    if x < SERIES:
-        return x * (1 / 2 - x * (1 / 6 - x * (1 / 24 - x * (1 / 120 - x * (1 / 720 - x / 5040)))))
-    return 1.0 + math.expm1(-x) / x
+    far = needed >= FAR * available
+    x = select(far, FAR, needed / positive(available))
+    series = x * (1 / 2 - x * (1 / 6 - x * (1 / 24 - x * (1 / 120 - x * (1 / 720 - x / 5040)))))
+    near = select(x < SERIES, series, 1.0 + math.expm1(-x) / positive(x))
+    return select(far, select(needed > 0.0, 1.0 - available / positive(needed), 0.0), near)
 
 
 def lugre_force(
@@ -75,14 +77,12 @@ def lugre_force(
     sliding_share, stribeck_speed
         As in `stribeck`.
     """
-    size = math.hypot(slip[0], slip[1])
-    if size == 0.0:
-        return 0.0, 0.0
+    size = norm(slip[0], slip[1])
     limit = capacity * stribeck(speed, sliding_share, stribeck_speed)
     available = limit * rolling
     long_share = patch_share(2.0 * stiffness[0] * size, available)
     lat_share = patch_share(2.0 * stiffness[1] * size, available)
-    return limit * long_share * (slip[0] / size), limit * lat_share * (slip[1] / size)
+    return limit * long_share * (slip[0] / positive(size)), limit * lat_share * (slip[1] / positive(size))
 
 
 def bristle_rate(

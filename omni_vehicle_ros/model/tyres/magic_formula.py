@@ -9,6 +9,9 @@ factors, C = 1.193 and E = -1.003, are those of the side force of a 205/60 R15 t
 
 import math
 
+from omni_vehicle_ros.model.arithmetic import norm, positive
+from omni_vehicle_ros.model.lanes import select
+
 LARGEST_DEMAND = 1e9  # B s; the force has reached its limit long before
 STRETCH, HALVINGS = 0.875, 60
 
@@ -54,12 +57,10 @@ def magic_force(
         The factors C, 1 .. 2, and E, at most 1.
     """
     demand_long, demand_lat = stiffness[0] * slip[0], stiffness[1] * slip[1]
-    demand, limit = math.hypot(demand_long, demand_lat), shape * capacity * rolling
-    if demand == 0.0:
-        return 0.0, 0.0
-    normalised = demand / limit if demand < LARGEST_DEMAND * limit else LARGEST_DEMAND
-    force = capacity * magic_share(normalised, shape, curvature)
-    return force * (demand_long / demand), force * (demand_lat / demand)
+    demand, limit = norm(demand_long, demand_lat), shape * capacity * rolling
+    normalised = select(demand < LARGEST_DEMAND * limit, demand / positive(limit), LARGEST_DEMAND)
+    force = capacity * magic_share(normalised, shape, curvature) / positive(demand)
+    return force * demand_long, force * demand_lat
 
 
 def full_stretch(shape: float, curvature: float) -> float:
