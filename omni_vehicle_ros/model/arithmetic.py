@@ -7,7 +7,7 @@ from omni_vehicle_ros.model.lanes import anywhere, select
 HALF_PI = (1.57079632673412561417, 6.07710050630396597660e-11, 2.02226624879595063154e-21)
 """pi / 2 in three parts, the first two with 33 bits, so that a multiple of theirs is exact (fdlibm)."""
 NEAREST = 6755399441055744.0  # 1.5 * 2**52: a sum with it has no room for a fraction
-QUARTER_TURNS = 2.0 / math.pi
+QUARTER_TURNS, EIGHTH_TURN = 2.0 / math.pi, 0.25 * math.pi
 LARGEST_ANGLE = 1e6  # rad, above which the three parts of pi / 2 lose digits
 
 
@@ -34,6 +34,8 @@ def cos_sin(angle: float) -> tuple[float, float]:
     """
     if anywhere(abs(angle) > LARGEST_ANGLE):
         return math.cos(angle), math.sin(angle)
+    if not anywhere(abs(angle) > EIGHTH_TURN):
+        return _cos_sin(angle)
     turns = (angle * QUARTER_TURNS + NEAREST) - NEAREST
     rest = ((angle - turns * HALF_PI[0]) - turns * HALF_PI[1]) - turns * HALF_PI[2]
     cos, sin = _cos_sin(rest)

@@ -10,15 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omni_vehicle_ros.model.batch_compiled import WIDTH, drive_kernel, evaluate_kernel
+from omni_vehicle_ros.model.batch_compiled import WIDTH, drive_kernel
 from omni_vehicle_ros.model.compiled import packed_constants
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.state import Vector
 
-STATE, INPUTS, ENVIRONMENT, RATES = 10, 12, 6, 4
-WHEELS = 4
-PEAKS = 2 * WHEELS
-EVALUATED = 6 * WHEELS + 3
+STATE, RATES, WHEELS = 10, 4, 4
+WATCHED = STATE + 6 * WHEELS + 3 + 2 * WHEELS
+"""Rows: state, evaluation, largest slips and uses."""
 
 
 class BatchEvaluation(NamedTuple):
@@ -36,11 +35,22 @@ class BatchEvaluation(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """The end of a drive, shape (10, n), and the largest sizes of side slip [rad] and friction use on the way, (4, n)."""
+    """What vehicles have come to.
+
+    Attributes
+    ----------
+    states
+        At the end, shape (10, n).
+    evaluation
+        At the end.
+    largest_slip, largest_use
+        Largest sizes of side slip [rad] and of friction use on the way, shape (4, n).
+    """
 
     states: Vector
-    side_slip: Vector
-    friction_use: Vector
+    evaluation: BatchEvaluation
+    largest_slip: Vector
+    largest_use: Vector
 
 
 def packed_batch(constants: Constants | list[Constants]) -> Vector:
@@ -87,7 +97,8 @@ def advance_batch(
     threads
         How many share the vehicles.
     """
-    return _drive(states, inputs, rates, environment, constants, 1, steps, size, constant_speed, threads, False).states
+    found = _driven(states, inputs, rates, environment, constants, 1, steps, size, constant_speed, threads, False)
+    return found[:STATE]
 
 
 def drive_batch(
@@ -102,16 +113,21 @@ def drive_batch(
     constant_speed: bool = False,
     threads: int = 1,
 ) -> Drive:
-    """Do as `advance_batch` for some cycles, and tell the largest slips and uses of friction.
+    """Do as `advance_batch` for some cycles, and say what the wheels do.
 
     Parameters
     ----------
     states, inputs, rates, environment, constants, size, constant_speed, threads
         As in `advance_batch`.
     cycles, steps
-        How many cycles of how many steps; slips are looked at before the first and after each.
+        How many cycles of how many steps; slips are looked at before the first and after each. None: how the vehicles
+        begin.
     """
-    return _drive(states, inputs, rates, environment, constants, cycles, steps, size, constant_speed, threads, True)
+    found = _driven(states, inputs, rates, environment, constants, cycles, steps, size, constant_speed, threads, True)
+    per_wheel = [found[row : row + WHEELS] for row in range(STATE, STATE + 6 * WHEELS, WHEELS)]
+    single = found[STATE + 6 * WHEELS : -2 * WHEELS]
+    evaluation = BatchEvaluation(*per_wheel, *single)
+    return Drive(found[:STATE], evaluation, found[-2 * WHEELS : -WHEELS], found[-WHEELS:])
 
 
 def evaluate_batch(
@@ -123,21 +139,11 @@ def evaluate_batch(
     threads: int = 1,
 ) -> BatchEvaluation:
     """Return slips, forces and loads at one instant; parameters as in `advance_batch`."""
-    count = states.shape[1]
-    request = _request(states, inputs, environment, np.zeros((RATES, 1)))
-    model, shared = _constants(constants, count)
-    found = np.empty((EVALUATED, request.shape[1]))
-
-    def work(first: int, last: int) -> None:
-        evaluate_kernel(request, model, shared, constant_speed, first, last, WIDTH, found)
-
-    _share(work, request.shape[1], threads)
-    found = found[:, :count]
-    per_wheel = (found[row : row + WHEELS] for row in range(0, 6 * WHEELS, WHEELS))
-    return BatchEvaluation(*per_wheel, *found[6 * WHEELS :])
+    still = np.zeros((RATES, 1))
+    return drive_batch(states, inputs, still, environment, constants, 0, 1, 0.0, constant_speed, threads).evaluation
 
 
-def _drive(
+def _driven(
     states: Vector,
     inputs: Vector,
     rates: Vector,
@@ -149,11 +155,11 @@ def _drive(
     constant_speed: bool,
     threads: int,
     watched: bool,
-) -> Drive:
+) -> Vector:
     count = states.shape[1]
     request = _request(states, inputs, environment, rates)
-    model, shared = _constants(constants, count)
-    found = np.zeros((STATE + PEAKS, request.shape[1]))
+    model, shared = _constants(constants)
+    found = np.zeros((WATCHED if watched else STATE, request.shape[1]))
 
     def work(first: int, last: int) -> None:
         drive_kernel(
@@ -161,8 +167,7 @@ def _drive(
         )
 
     _share(work, request.shape[1], threads)
-    end = found[:, :count]
-    return Drive(end[:STATE], end[STATE : STATE + WHEELS], end[STATE + WHEELS :])
+    return found[:, :count]
 
 
 def _request(states: Vector, inputs: Vector, environment: Vector, rates: Vector) -> Vector:
@@ -174,7 +179,7 @@ def _request(states: Vector, inputs: Vector, environment: Vector, rates: Vector)
     return np.ascontiguousarray(np.vstack(rows), dtype=np.float64)
 
 
-def _constants(constants: Vector, count: int) -> tuple[Vector, Vector]:
+def _constants(constants: Vector) -> tuple[Vector, Vector]:
     """Return the constants with columns up to a whole number of blocks, or of one block, and those of one vehicle."""
     columns = constants.shape[1]
     places = np.minimum(np.arange(-(-columns // WIDTH) * WIDTH), columns - 1)

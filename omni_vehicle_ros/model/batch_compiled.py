@@ -19,8 +19,6 @@ from omni_vehicle_ros.model.state import State, Vector
 from omni_vehicle_ros.wheels import PerWheel
 
 DriveKernel = Callable[[Vector, Vector, Vector, int, int, float, bool, bool, int, int, int, Vector], None]
-EvaluateKernel = Callable[[Vector, Vector, Vector, bool, int, int, int, Vector], None]
-Kernels = tuple[DriveKernel, EvaluateKernel]
 
 
 def store_four(numbers: Vector, first: int, column: int, values: PerWheel) -> None:
@@ -44,28 +42,29 @@ def store_state(numbers: Vector, column: int, state: State) -> None:
 
 
 def store_evaluation(numbers: Vector, column: int, found: Evaluation) -> None:
-    """Write an evaluation, in the order of `batch.BatchEvaluation`."""
-    store_four(numbers, 0, column, found.steer_angle)
-    store_four(numbers, 4, column, found.side_slip)
-    store_four(numbers, 8, column, found.longitudinal_force)
-    store_four(numbers, 12, column, found.lateral_force)
-    store_four(numbers, 16, column, found.vertical_load)
-    store_four(numbers, 20, column, found.friction_use)
-    store(numbers, 24, column, found.roll_angle)
-    store(numbers, 25, column, found.ax)
-    store(numbers, 26, column, found.ay)
+    """Write an evaluation below a state, in the order of `batch.Drive`, and keep the largest slips and uses."""
+    store_four(numbers, STATE, column, found.steer_angle)
+    store_four(numbers, STATE + 4, column, found.side_slip)
+    store_four(numbers, STATE + 8, column, found.longitudinal_force)
+    store_four(numbers, STATE + 12, column, found.lateral_force)
+    store_four(numbers, STATE + 16, column, found.vertical_load)
+    store_four(numbers, STATE + 20, column, found.friction_use)
+    store(numbers, STATE + 24, column, found.roll_angle)
+    store(numbers, STATE + 25, column, found.ax)
+    store(numbers, STATE + 26, column, found.ay)
+    keep_larger(numbers, STATE + 27, column, found.side_slip)
+    keep_larger(numbers, STATE + 31, column, found.friction_use)
 
 
-def keep_larger(numbers: Vector, column: int, found: Evaluation) -> None:
-    """Keep the largest sizes of side slips and friction uses, below the rows of a state."""
+def keep_larger(numbers: Vector, first: int, column: int, values: PerWheel) -> None:
+    """Write the sizes of four lanes where they are larger than what is there."""
     for wheel in range(4):
-        row = STATE + wheel
-        store(numbers, row, column, max(load(numbers, row, column), abs(found.side_slip[wheel])))
-        store(numbers, row + 4, column, max(load(numbers, row + 4, column), found.friction_use[wheel]))
+        row = first + wheel
+        store(numbers, row, column, max(load(numbers, row, column), abs(values[wheel])))
 
 
-def kernels(source: str) -> Kernels:
-    """Return the kernels in plain Python.
+def kernels(source: str) -> tuple[DriveKernel]:
+    """Return the kernel in plain Python.
 
     Parameters
     ----------
@@ -93,46 +92,28 @@ def kernels(source: str) -> Kernels:
             now, inputs, road = unpacked_request(load, request, column)
             rates = request_rates(load, request, STATE, column)
             model = unpacked_constants(load, constants, column if varied else 0, shared)
-            if watched:
-                keep_larger(found, column, dynamics.evaluation(now, inputs, road, model, constant_speed))
-            for _ in range(cycles):
-                now = integrate.integrate(now, inputs, rates, road, model, steps, size, constant_speed)
-                inputs = integrate.steered(inputs, rates, steps * size)
+            for cycle in range(cycles + 1):
+                if cycle > 0:
+                    now = integrate.integrate(now, inputs, rates, road, model, steps, size, constant_speed)
+                    inputs = integrate.steered(inputs, rates, steps * size)
                 if watched:
-                    keep_larger(found, column, dynamics.evaluation(now, inputs, road, model, constant_speed))
+                    store_evaluation(found, column, dynamics.evaluation(now, inputs, road, model, constant_speed))
             store_state(found, column, now)
 
-    def evaluate(
-        request: Vector,
-        constants: Vector,
-        shared: Vector,
-        constant_speed: bool,
-        first: int,
-        last: int,
-        width: int,
-        found: Vector,
-    ) -> None:
-        source  # noqa: B018
-        varied = constants.shape[1] > width
-        for column in range(first, last, width):
-            now, inputs, road = unpacked_request(load, request, column)
-            model = unpacked_constants(load, constants, column if varied else 0, shared)
-            store_evaluation(found, column, dynamics.evaluation(now, inputs, road, model, constant_speed))
-
-    return drive, evaluate
+    return (drive,)
 
 
-def compile_batch() -> tuple[int, Kernels]:
+def compile_batch() -> tuple[int, DriveKernel]:
     """Return the number of lanes and the kernels, not compiled before their first call."""
     helpers = store_four, store_state, store_evaluation, keep_larger
     found = None
     if advance_kernel is not None:
         found = compile_kernels(kernels, helpers, (), (), BRANCHES + LEAVES, nogil=True)
     if found is None:
-        return 1, kernels('')
+        return 1, kernels('')[0]
     from omni_vehicle_ros.model.compiled_lanes import WIDTH
 
-    return WIDTH, found
+    return WIDTH, found[0]
 
 
-WIDTH, (drive_kernel, evaluate_kernel) = compile_batch()
+WIDTH, drive_kernel = compile_batch()

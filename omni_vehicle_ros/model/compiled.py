@@ -23,9 +23,13 @@ from omni_vehicle_ros.model.state import State, Vector
 from omni_vehicle_ros.model.tyres import brush, dugoff, force, friction_circle, lugre, magic_formula, slip
 from omni_vehicle_ros.wheels import PerWheel
 
-BRANCHES = (brush, dynamics, integrate, loop, lugre, magic_formula)
-# Worth inlining; beyond them it doubles the time to compile.
-LEAVES = (arithmetic, contact, disturbances, dugoff, force, friction_circle, loads, slip, state)
+BRANCHES = (brush, lugre, magic_formula)
+# A call that is not inlined hands over all constants, number by number.
+LEAVES = (
+    arithmetic, contact, disturbances, dugoff, dynamics, force, friction_circle, integrate, loads, loop, slip, state,
+)
+RARE = (loop.bisected,)
+"""Not worth inlining all the same."""
 STATE = 10  # entries of the state
 
 EvaluateKernel = Callable[[Vector, Vector, bool], Evaluation]
@@ -200,7 +204,7 @@ def compile_kernels(
     for function in itertools.chain(*map(_functions, branches)):
         register_jitable(_nrt=False)(function)
     for function in itertools.chain(*map(_functions, leaves)):
-        register_jitable(forceinline=True, _nrt=False)(function)
+        register_jitable(forceinline=function not in RARE, _nrt=False)(function)
     plain = make(''.join(map(inspect.getsource, (lanes, compiled_lanes, *branches, *leaves, *used))))
     # Without fastmath, for the same bits in every process. No check for division by 0, which never happens.
     compiler = njit(cache=True, error_model='numpy', nogil=nogil)

@@ -159,7 +159,7 @@ def _lane_by_lane(function: Callable[..., float], arguments: int) -> None:
 
 
 for _function, _arguments in (
-    (math.cos, 1), (math.sin, 1), (math.atan, 1), (math.exp, 1), (math.expm1, 1), (math.atan2, 2),
+    (math.cos, 1), (math.sin, 1), (math.atan, 1), (math.exp, 1), (math.expm1, 1), (math.atan2, 2), (math.hypot, 2),
 ):  # fmt: skip
     _lane_by_lane(_function, _arguments)
 

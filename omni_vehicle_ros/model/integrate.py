@@ -8,6 +8,10 @@ from omni_vehicle_ros.model.dynamics import Environment, Inputs, state_rate
 from omni_vehicle_ros.model.state import State, bounded
 from omni_vehicle_ros.wheels import PerWheel
 
+NODES = (0.0, 0.5, 0.5, 1.0)
+"""How far ahead of the start of its step each stage looks, in steps; the first one looks at the start itself."""
+WEIGHTS = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
+
 
 def integrate(
     state: State,
@@ -34,17 +38,16 @@ def integrate(
     constant_speed
         Hold vx (2 degrees of freedom); drive forces are left out.
     """
-    half = 0.5 * size
     for number in range(steps):
-        time, state = number * size, bounded(state)
-        start = steered(inputs, steer_rate, time)
-        middle = steered(inputs, steer_rate, time + half)
-        end = steered(inputs, steer_rate, time + size)
-        k1 = state_rate(state, start, environment, constants, constant_speed)
-        k2 = state_rate(_moved(state, k1, half), middle, environment, constants, constant_speed)
-        k3 = state_rate(_moved(state, k2, half), middle, environment, constants, constant_speed)
-        k4 = state_rate(_moved(state, k3, size), end, environment, constants, constant_speed)
-        state = _moved(state, _six_fold_mean(k1, k2, k3, k4), size / 6.0)
+        state = bounded(state)
+        rate = end = state
+        for stage in range(4):
+            ahead = NODES[stage] * size
+            now = moved(state, rate, ahead)
+            set_points = steered(inputs, steer_rate, number * size + ahead)
+            rate = state_rate(now, set_points, environment, constants, constant_speed)
+            end = moved(end, rate, WEIGHTS[stage] * size)
+        state = end
     return bounded(state)
 
 
@@ -55,7 +58,8 @@ def steered(inputs: Inputs, rate: PerWheel, time: float) -> Inputs:
     return Inputs(angles, inputs.drive_force, inputs.slip_gain)
 
 
-def _moved(state: State, rate: State, time: float) -> State:
+def moved(state: State, rate: State, time: float) -> State:
+    """Return the state after some time [s] at a rate that is held."""
     return State(
         state.vx + time * rate.vx,
         state.vy + time * rate.vy,
@@ -67,19 +71,4 @@ def _moved(state: State, rate: State, time: float) -> State:
         state.front_right + time * rate.front_right,
         state.rear_left + time * rate.rear_left,
         state.rear_right + time * rate.rear_right,
-    )
-
-
-def _six_fold_mean(k1: State, k2: State, k3: State, k4: State) -> State:
-    return State(
-        k1.vx + 2.0 * (k2.vx + k3.vx) + k4.vx,
-        k1.vy + 2.0 * (k2.vy + k3.vy) + k4.vy,
-        k1.r + 2.0 * (k2.r + k3.r) + k4.r,
-        k1.x + 2.0 * (k2.x + k3.x) + k4.x,
-        k1.y + 2.0 * (k2.y + k3.y) + k4.y,
-        k1.psi + 2.0 * (k2.psi + k3.psi) + k4.psi,
-        k1.front_left + 2.0 * (k2.front_left + k3.front_left) + k4.front_left,
-        k1.front_right + 2.0 * (k2.front_right + k3.front_right) + k4.front_right,
-        k1.rear_left + 2.0 * (k2.rear_left + k3.rear_left) + k4.rear_left,
-        k1.rear_right + 2.0 * (k2.rear_right + k3.rear_right) + k4.rear_right,
     )

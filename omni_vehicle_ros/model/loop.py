@@ -54,13 +54,14 @@ def solve_loop(
             step = gap * (gap_last * bend - slope)
         gap_before_last, gap_last, last = gap_last, gap, guess
         guess = select(moving, max(-limit, min(limit, guess + step)), guess)
-    guess = select(unsolved, _bisect(response, limit, wheels, constants), guess)
+    guess = select(unsolved, bisected(response, limit, wheels, constants), guess)
     return response(guess, wheels, constants)
 
 
-def _bisect(
+def bisected(
     response: Response[Wheels, Vehicle, Forces], limit: float, wheels: Wheels, constants: Vehicle
 ) -> float:
+    """Return the acceleration that causes itself, by bisection; parameters as in `solve_loop`."""
     low, high = -limit, limit
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
