@@ -35,7 +35,10 @@ setup(
     maintainer_email='maintainers@omni-vehicle-ros.invalid',
     python_requires='>=3.10',
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
-    package_data={f'{PACKAGE}.{page}': ['templates/*.j2'] for page in ('analysis', 'thesis')},
+    package_data={
+        f'{PACKAGE}.bench': ['step.c'],
+        **{f'{PACKAGE}.{page}': ['templates/*.j2'] for page in ('analysis', 'thesis')},
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
         (f'share/{PACKAGE}', ['package.xml']),
@@ -45,7 +48,11 @@ setup(
         *share_files('urdf'),
     ],
     install_requires=RUN_TIME,
-    extras_require={'bench': ['mcap-ros2-support'], 'test': ['hypothesis', 'pytest']},
+    extras_require={
+        'bench': ['mcap-ros2-support'],
+        'peers': ['commonroad-vehicle-models', 'slipx'],
+        'test': ['hypothesis', 'pytest'],
+    },
     zip_safe=True,
     entry_points={
         'console_scripts': [

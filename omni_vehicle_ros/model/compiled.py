@@ -8,6 +8,7 @@ The first call compiles, later processes load the result from numba's cache on d
 import functools
 import inspect
 import itertools
+import struct
 import warnings
 from collections.abc import Callable
 from types import ModuleType
@@ -53,7 +54,8 @@ def packed_request(
     angle, force, gain = inputs
     bank, wind, friction = environment
     numbers = (*state.tolist(), *angle, *force, *gain, bank, wind, *friction, *steer_rate)
-    return np.array(numbers, dtype=np.float64)
+    # Twice as fast as np.array; a bytearray, since numba takes an array that can't be written for another type.
+    return np.frombuffer(bytearray(struct.pack(f'{len(numbers)}d', *numbers)))
 
 
 def unpacked_constants(read: Read, numbers: Vector, column: int, shared: Vector) -> Constants:

@@ -14,8 +14,8 @@ weight of all this is exactly 0 from `WALKING_PACE` on.
 import math
 from typing import NamedTuple
 
-from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.arithmetic import cos_sin, norm
+from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.lanes import anywhere, select
 from omni_vehicle_ros.model.tyres.force import side_force
 from omni_vehicle_ros.model.tyres.friction_circle import lateral_capacity, limited_drive_force

@@ -4,8 +4,8 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.errors import ParameterError
+from omni_vehicle_ros.model.arithmetic import cos_sin, positive
 from omni_vehicle_ros.model.constants import Constants
-from omni_vehicle_ros.model.arithmetic import cos_sin
 from omni_vehicle_ros.model.lanes import anywhere, select
 
 # Thesis, Table 4.1: upper wind speed of each pair of numbers (B0 and B1, B2 and B3, ...) [m/s].
@@ -73,7 +73,7 @@ def side_force_coefficient(airflow_angle: float, constants: Constants) -> float:
     coefficient = 0.0 * airflow_angle
     for line in range(len(constants.airflow_angles)):
         angle, value = constants.airflow_angles[line], constants.side_force_coefficients[line]
-        share = min(1.0, (airflow_angle - low_angle) / (angle - low_angle))
+        share = min(1.0, (airflow_angle - low_angle) / positive(angle - low_angle))
         coefficient = select(airflow_angle < low_angle, coefficient, low_value + share * (value - low_value))
         low_angle, low_value = angle, value
     return coefficient

@@ -9,6 +9,7 @@ Written in the part of Python that numba compiles (see `compiled`); users call `
 import math
 from typing import NamedTuple
 
+from omni_vehicle_ros.model.arithmetic import cos_sin, norm, positive
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.contact import (
     Contact,
@@ -21,7 +22,6 @@ from omni_vehicle_ros.model.contact import (
     wheel_force,
 )
 from omni_vehicle_ros.model.disturbances import bank_force, wind_force, wind_moment
-from omni_vehicle_ros.model.arithmetic import cos_sin, norm, positive
 from omni_vehicle_ros.model.lanes import anywhere, select
 from omni_vehicle_ros.model.loads import lifted, roll_angle, static_loads, vertical_loads
 from omni_vehicle_ros.model.loop import solve_loop

@@ -4,8 +4,8 @@ Past wheel lift the model has no roll dynamics to tell the truth with: the inner
 carries the whole axle, and the moment beyond that is dropped. Every axle keeps its load.
 """
 
-from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.arithmetic import cos_sin
+from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.wheels import PerWheel
 
 LIFT_TOLERANCE = 1e-9  # share of the static load

@@ -36,7 +36,7 @@ def solve_loop(
         For the response.
     """
     guess = slope = last = gap_last = gap_before_last = 0.0
-    unsolved = False
+    unsolved = True
     for number in range(LOOP_STEPS):
         reached, forces = response(guess, wheels, constants)
         gap = reached - guess

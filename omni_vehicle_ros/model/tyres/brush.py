@@ -36,10 +36,13 @@ def brush_force(
     size = positive(norm(slip_long, slip_lat))
     demand_long, demand_lat = stiffness[0] * slip_long, stiffness[1] * slip_lat
     demand, limit = norm(demand_long, demand_lat), 3.0 * capacity * rolling
-    psi = select(demand >= limit, 1.0, demand / positive(limit))
+    slides, psi = demand >= limit, demand / positive(limit)
     sticking = (1.0 - psi) * (1.0 - psi) / positive(rolling)
     sliding = psi * psi * (3.0 - 2.0 * psi) * capacity / size
-    return sticking * demand_long + sliding * slip_long, sticking * demand_lat + sliding * slip_lat
+    return (
+        select(slides, capacity * (slip_long / size), sticking * demand_long + sliding * slip_long),
+        select(slides, capacity * (slip_lat / size), sticking * demand_lat + sliding * slip_lat),
+    )
 
 
 def demand(slip: float, capacity: float, stiffness: float) -> float:
