@@ -25,9 +25,10 @@ from omni_vehicle_ros.bench.start_up import start_lines, start_works
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.model import plant
 from omni_vehicle_ros.model.batch import advance_batch
-from omni_vehicle_ros.model.compiled import advance_kernel, packed_constants, packed_request
+from omni_vehicle_ros.model.compiled import AdvanceKernel, advance_kernel
 from omni_vehicle_ros.model.constants import constants
 from omni_vehicle_ros.model.dynamics import Environment, Inputs
+from omni_vehicle_ros.model.packing import packed_constants, packed_request
 from omni_vehicle_ros.model.state import Vector, initial_state
 from omni_vehicle_ros.parameters import VehicleParameters
 
@@ -76,8 +77,6 @@ def bench(progress: Progress = lambda done: None, *, rounds: int = ROUNDS, vehic
     RunError
         There are no compiled physics, or C does not find the same.
     """
-    if advance_kernel is None:
-        raise RunError('the physics are not compiled: install numba, and unset NUMBA_DISABLE_JIT')
     drives, c_step = make_drives(), compiled_step()
     works = our_works(drives, vehicles) | (c_works(drives, c_step) if c_step else {}) | peer_works() | start_works()
     times = interleaved(works, progress, rounds)
@@ -128,15 +127,30 @@ def sort_twice() -> None:
             done.result()
 
 
+def our_kernel() -> AdvanceKernel:
+    """Return the kernel that advances one vehicle.
+
+    Raises
+    ------
+    RunError
+        It is not compiled.
+    """
+    if advance_kernel is None:
+        raise RunError('the physics are not compiled: install numba, and unset NUMBA_DISABLE_JIT')
+    return advance_kernel
+
+
 def drive_all(requests: list[Vector], numbers: Vector) -> Vector:
     """Drive each vehicle in a loop inside the kernel; return where they end."""
-    return np.array([advance_kernel(request, numbers, STEPS, STEP, False) for request in requests])
+    advance = our_kernel()
+    return np.array([advance(request, numbers, STEPS, STEP, False) for request in requests])
 
 
 def call(request: Vector, numbers: Vector) -> None:
     """Call the kernel step by step; each goes on from the state that it left."""
+    advance = our_kernel()
     for _ in range(CALLS):
-        request[:10] = advance_kernel(request, numbers, 1, STEP, False)
+        request[:10] = advance(request, numbers, 1, STEP, False)
 
 
 def c_works(drives: list[Drive], c_step: CStep) -> dict[str, Callable[[], object]]:

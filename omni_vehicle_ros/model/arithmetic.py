@@ -17,8 +17,10 @@ def positive(number: float) -> float:
 
 
 def norm(x: float, y: float) -> float:
-    """Return the length of a vector; quicker than math.hypot, which minds numbers beyond 1e150."""
-    return math.sqrt(x * x + y * y)
+    """Return the length of a vector, whatever its size, as math.hypot does."""
+    longer, shorter = max(abs(x), abs(y)), min(abs(x), abs(y))
+    share = shorter / positive(longer)
+    return longer * math.sqrt(1.0 + share * share)
 
 
 def cos_sin(angle: float) -> tuple[float, float]:

@@ -6,16 +6,17 @@ it would alone, whatever stands beside it and however many threads there are.
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from omni_vehicle_ros.model.batch_compiled import WIDTH, drive_kernel
-from omni_vehicle_ros.model.compiled import packed_constants
 from omni_vehicle_ros.model.constants import Constants
+from omni_vehicle_ros.model.packing import STATE, packed_constants
 from omni_vehicle_ros.model.state import Vector
 
-STATE, RATES, WHEELS = 10, 4, 4
+RATES, WHEELS = 4, 4
 WATCHED = STATE + 6 * WHEELS + 3 + 2 * WHEELS
 """Rows: state, evaluation, largest slips and uses."""
 
@@ -194,5 +195,5 @@ def _share(work: Callable[[int, int], None], columns: int, threads: int) -> None
         work(*ends)
         return
     with ThreadPoolExecutor(threads) as pool:
-        for done in [pool.submit(work, *pair) for pair in zip(ends[:-1], ends[1:], strict=True)]:
+        for done in [pool.submit(work, *pair) for pair in pairwise(ends)]:
             done.result()

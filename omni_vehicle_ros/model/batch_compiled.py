@@ -3,18 +3,10 @@
 from collections.abc import Callable
 
 from omni_vehicle_ros.model import dynamics, integrate
-from omni_vehicle_ros.model.compiled import (
-    BRANCHES,
-    LEAVES,
-    STATE,
-    advance_kernel,
-    compile_kernels,
-    request_rates,
-    unpacked_constants,
-    unpacked_request,
-)
+from omni_vehicle_ros.model.compiled import BRANCHES, LEAVES, advance_kernel, compile_kernels
 from omni_vehicle_ros.model.dynamics import Evaluation
 from omni_vehicle_ros.model.lanes import load, store
+from omni_vehicle_ros.model.packing import STATE, request_rates, unpacked_constants, unpacked_request
 from omni_vehicle_ros.model.state import State, Vector
 from omni_vehicle_ros.wheels import PerWheel
 

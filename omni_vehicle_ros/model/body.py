@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from omni_vehicle_ros.model.compiled import derivative_kernel, evaluate_kernel, packed_constants, packed_request
+from omni_vehicle_ros.model.compiled import derivative_kernel, evaluate_kernel
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs, evaluation, state_rate
+from omni_vehicle_ros.model.packing import packed_constants, packed_request
 from omni_vehicle_ros.model.state import Vector, state_view
 
 __all__ = ['Environment', 'Evaluation', 'Inputs', 'derivative', 'evaluate']

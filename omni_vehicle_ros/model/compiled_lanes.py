@@ -22,6 +22,7 @@ from omni_vehicle_ros.model import lanes
 
 WIDTH = 8
 """Lanes: two or four to an instruction on most processors, all eight with AVX-512."""
+Function = Callable[..., Any]
 VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 BITS = ir.VectorType(ir.IntType(1), WIDTH)
 
@@ -33,11 +34,11 @@ class LanesType(types.Type):
         super().__init__(f'Lanes{WIDTH}')
 
     def can_convert_from(self, typingctx: Any, other: types.Type) -> Conversion | None:
-        """A number stands for the same in all lanes."""
+        """Take a number as the same in all lanes."""
         return Conversion.safe if isinstance(other, (types.Float, types.Integer)) else None
 
     def unify(self, typingctx: Any, other: types.Type) -> types.Type | None:
-        """A variable that is a number in one place and lanes in another is lanes."""
+        """Take a variable for lanes that is a number in one place and lanes in another."""
         return self if isinstance(other, (types.Float, types.Integer)) else None
 
 
@@ -48,11 +49,11 @@ class MaskType(types.Type):
         super().__init__(f'Mask{WIDTH}')
 
     def can_convert_from(self, typingctx: Any, other: types.Type) -> Conversion | None:
-        """A truth value stands for the same in all lanes."""
+        """Take a truth value as the same in all lanes."""
         return Conversion.safe if isinstance(other, types.Boolean) else None
 
     def unify(self, typingctx: Any, other: types.Type) -> types.Type | None:
-        """As of `LanesType`."""
+        """Do as `LanesType`."""
         return self if isinstance(other, types.Boolean) else None
 
 
@@ -121,19 +122,20 @@ def _chosen(word: str) -> Any:
     return lambda builder, one, other: builder.select(builder.fcmp_ordered(word, other, one), other, one)
 
 
-for _function, _make in (
-    (operator.add, ir.IRBuilder.fadd), (operator.sub, ir.IRBuilder.fsub), (operator.mul, ir.IRBuilder.fmul),
-    (operator.truediv, ir.IRBuilder.fdiv), (operator.iadd, ir.IRBuilder.fadd), (math.copysign, _llvm('copysign')),
-    (builtins.min, _chosen('<')), (builtins.max, _chosen('>')),
-):  # fmt: skip
-    _define(_function, 2, LANES, LANES, _make)
-for _function, _make in (
-    (operator.neg, ir.IRBuilder.fneg), (builtins.abs, _llvm('fabs')), (math.sqrt, _llvm('sqrt')),
-):  # fmt: skip
-    _define(_function, 1, LANES, LANES, _make)
-for _function, _word in (
+OPERATIONS: tuple[tuple[Function, int, Any], ...] = (
+    (operator.add, 2, ir.IRBuilder.fadd), (operator.iadd, 2, ir.IRBuilder.fadd), (operator.sub, 2, ir.IRBuilder.fsub),
+    (operator.mul, 2, ir.IRBuilder.fmul), (operator.truediv, 2, ir.IRBuilder.fdiv),
+    (operator.neg, 1, ir.IRBuilder.fneg),
+    (math.copysign, 2, _llvm('copysign')), (builtins.abs, 1, _llvm('fabs')), (math.sqrt, 1, _llvm('sqrt')),
+    (builtins.min, 2, _chosen('<')), (builtins.max, 2, _chosen('>')),
+)  # fmt: skip
+"""Functions of lanes, how many arguments they take, and what builds them."""
+COMPARISONS: tuple[tuple[Function, str], ...] = (
     (operator.lt, '<'), (operator.le, '<='), (operator.gt, '>'), (operator.ge, '>='), (operator.eq, '=='),
-):  # fmt: skip
+)  # fmt: skip
+for _function, _arguments, _make in OPERATIONS:
+    _define(_function, _arguments, LANES, LANES, _make)
+for _function, _word in COMPARISONS:
     _define(_function, 2, LANES, MASK, _compared(_word))
 _define(operator.ne, 2, LANES, MASK, lambda builder, one, other: builder.fcmp_unordered('!=', one, other))
 _define(operator.and_, 2, MASK, MASK, ir.IRBuilder.and_)
@@ -158,9 +160,10 @@ def _lane_by_lane(function: Callable[..., float], arguments: int) -> None:
         return found
 
 
-for _function, _arguments in (
-    (math.cos, 1), (math.sin, 1), (math.atan, 1), (math.exp, 1), (math.expm1, 1), (math.atan2, 2), (math.hypot, 2),
-):  # fmt: skip
+LIBRARY: tuple[tuple[Function, int], ...] = (
+    (math.cos, 1), (math.sin, 1), (math.atan, 1), (math.exp, 1), (math.expm1, 1), (math.atan2, 2),
+)  # fmt: skip
+for _function, _arguments in LIBRARY:
     _lane_by_lane(_function, _arguments)
 
 

@@ -6,7 +6,6 @@ algebraic loop is solved in every evaluation, so that the answer depends neither
 Written in the part of Python that numba compiles (see `compiled`); users call `body` and `plant`.
 """
 
-import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.model.arithmetic import cos_sin, norm, positive
@@ -288,4 +287,4 @@ def body_force_and_moment(contacts: Contacts, forces: WheelForces, constants: Co
 def use_of_friction(contact: Contact, force: Pair, load: float) -> float:
     """Return the size of a force in the road plane over friction times load [N]; 0 for a wheel in the air."""
     capacity = contact.friction * load
-    return select(capacity > 0.0, math.hypot(force[0], force[1]) / positive(capacity), 0.0)
+    return select(capacity > 0.0, norm(force[0], force[1]) / positive(capacity), 0.0)

@@ -35,8 +35,3 @@ def load(numbers: Vector, row: int, column: int) -> float:
 def store(numbers: Vector, row: int, column: int, value: float) -> None:
     """Write lanes to where `load` would find them."""
     numbers[row, column] = value
-
-
-def entry(numbers: Vector, row: int, column: int) -> float:
-    """Return a number of a vector, for one vehicle alone; the column says nothing."""
-    return float(numbers[row])

@@ -1,9 +1,10 @@
 """The vehicle over one control cycle: the actuators move as told, everything else holds."""
 
-from omni_vehicle_ros.model.compiled import advance_kernel, packed_constants, packed_request
+from omni_vehicle_ros.model.compiled import advance_kernel
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import NO_GAIN, Environment, Inputs
 from omni_vehicle_ros.model.integrate import integrate
+from omni_vehicle_ros.model.packing import packed_constants, packed_request
 from omni_vehicle_ros.model.state import Vector, state_vector, state_view
 from omni_vehicle_ros.wheels import PerWheel
 

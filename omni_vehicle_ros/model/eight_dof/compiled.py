@@ -8,9 +8,13 @@ import functools
 import numpy as np
 
 from omni_vehicle_ros.model import compiled as plane
-from omni_vehicle_ros.model.compiled import (
-    AdvanceKernel,
-    EvaluateKernel,
+from omni_vehicle_ros.model.compiled import AdvanceKernel, EvaluateKernel
+from omni_vehicle_ros.model.dynamics import Evaluation
+from omni_vehicle_ros.model.eight_dof import dynamics, integrate, rolling, state
+from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
+from omni_vehicle_ros.model.eight_dof.state import EightDofState
+from omni_vehicle_ros.model.packing import (
+    entry,
     four,
     packed_constants,
     request_environment,
@@ -18,11 +22,6 @@ from omni_vehicle_ros.model.compiled import (
     request_rates,
     unpacked_constants,
 )
-from omni_vehicle_ros.model.dynamics import Evaluation
-from omni_vehicle_ros.model.eight_dof import dynamics, integrate, rolling, state
-from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
-from omni_vehicle_ros.model.eight_dof.state import EightDofState
-from omni_vehicle_ros.model.lanes import entry
 from omni_vehicle_ros.model.state import Vector
 
 BRANCHES = (dynamics, integrate, rolling)
@@ -62,7 +61,8 @@ def _unpacked(n: Vector) -> EightDofConstants:
 
 
 def _state(n: Vector) -> EightDofState:
-    return EightDofState(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], four(entry, n, 8, 0), four(entry, n, 12, 0), four(entry, n, 16, 0))
+    spin, along, across = four(entry, n, 8, 0), four(entry, n, 12, 0), four(entry, n, 16, 0)
+    return EightDofState(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], spin, along, across)
 
 
 def _vector(now: EightDofState) -> Vector:

@@ -2,13 +2,13 @@
 
 import math
 
-from omni_vehicle_ros.model.compiled import packed_request
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
 from omni_vehicle_ros.model.eight_dof.compiled import advance_kernel, evaluate_kernel, packed_eight_dof
 from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
 from omni_vehicle_ros.model.eight_dof.dynamics import evaluation
 from omni_vehicle_ros.model.eight_dof.integrate import integrate
 from omni_vehicle_ros.model.eight_dof.state import state_vector, state_view
+from omni_vehicle_ros.model.packing import packed_request
 from omni_vehicle_ros.model.state import Vector
 from omni_vehicle_ros.wheels import PerWheel
 

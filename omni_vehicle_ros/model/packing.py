@@ -1,0 +1,140 @@
+"""Arrays in which the compiled physics take vehicles and requests, and how they are read again.
+
+The physics read one vehicle from vectors, by `entry`, or several lanes from the columns of matrices, by `load`.
+"""
+
+import functools
+import struct
+from collections.abc import Callable
+
+import numpy as np
+
+from omni_vehicle_ros.model.constants import Constants
+from omni_vehicle_ros.model.dynamics import Environment, Inputs
+from omni_vehicle_ros.model.state import State, Vector
+from omni_vehicle_ros.wheels import PerWheel
+
+STATE = 10  # entries of the state
+Read = Callable[[Vector, int, int], float]
+
+
+@functools.lru_cache(maxsize=8)
+def packed_constants(model: Constants) -> Vector:
+    """Return all numbers of the constants in their order, as the kernels take them."""
+    return np.hstack(model).astype(np.float64)
+
+
+def packed_request(
+    state: Vector, inputs: Inputs, environment: Environment, steer_rate: PerWheel | tuple[()] = ()
+) -> Vector:
+    """Return the numbers that change from call to call, as the kernels take them."""
+    angle, force, gain = inputs
+    bank, wind, friction = environment
+    numbers = (*state.tolist(), *angle, *force, *gain, bank, wind, *friction, *steer_rate)
+    # Twice as fast as np.array; a bytearray, since numba takes an array that can't be written for another type.
+    return np.frombuffer(bytearray(struct.pack(f'{len(numbers)}d', *numbers)))
+
+
+def entry(numbers: Vector, row: int, column: int) -> float:
+    """Return a number of a vector, for one vehicle alone; the column says nothing."""
+    return float(numbers[row])
+
+
+def unpacked_constants(read: Read, numbers: Vector, column: int, shared: Vector) -> Constants:
+    """Return the constants that `packed_constants` has packed.
+
+    Parameters
+    ----------
+    read, numbers, column
+        What to read by, `entry` or `load`, from where, and from which column on.
+    shared
+        The packed constants of one vehicle: kinds and tables are alike in all lanes.
+    """
+    lines = (len(shared) - 34) // 2
+    return Constants(
+        mass=read(numbers, 0, column),
+        yaw_inertia=read(numbers, 1, column),
+        gravity=read(numbers, 2, column),
+        wheel_x=four(read, numbers, 3, column),
+        wheel_y=four(read, numbers, 7, column),
+        front_load=read(numbers, 11, column),
+        rear_load=read(numbers, 12, column),
+        front_transfer=read(numbers, 13, column),
+        rear_transfer=read(numbers, 14, column),
+        roll_per_acceleration=read(numbers, 15, column),
+        front_roll_steer=read(numbers, 16, column),
+        rear_roll_steer=read(numbers, 17, column),
+        tyre_model=int(shared[18]),
+        cornering_stiffness=read(numbers, 19, column),
+        longitudinal_stiffness=read(numbers, 20, column),
+        adhesion_reduction=read(numbers, 21, column),
+        magic_shape=read(numbers, 22, column),
+        magic_curvature=read(numbers, 23, column),
+        sliding_share=read(numbers, 24, column),
+        stribeck_speed=read(numbers, 25, column),
+        full_stretch=read(numbers, 26, column),
+        friction_circle=shared[27] != 0.0,
+        relaxation_length=read(numbers, 28, column),
+        low_speed_damping=read(numbers, 29, column),
+        rolling_hold=read(numbers, 30, column),
+        air_density=read(numbers, 31, column),
+        side_area=read(numbers, 32, column),
+        airflow_angles=shared[33 : 33 + lines],
+        side_force_coefficients=shared[33 + lines : 33 + 2 * lines],
+        aerodynamic_centre=read(numbers, 33 + 2 * lines, column),
+    )
+
+
+def four(read: Read, numbers: Vector, first: int, column: int) -> PerWheel:
+    """Return four numbers from one place on."""
+    return (
+        read(numbers, first, column),
+        read(numbers, first + 1, column),
+        read(numbers, first + 2, column),
+        read(numbers, first + 3, column),
+    )
+
+
+def request_state(read: Read, numbers: Vector, column: int) -> State:
+    """Return the state of a packed request."""
+    return State(
+        read(numbers, 0, column),
+        read(numbers, 1, column),
+        read(numbers, 2, column),
+        read(numbers, 3, column),
+        read(numbers, 4, column),
+        read(numbers, 5, column),
+        read(numbers, 6, column),
+        read(numbers, 7, column),
+        read(numbers, 8, column),
+        read(numbers, 9, column),
+    )
+
+
+def request_inputs(read: Read, numbers: Vector, first: int, column: int) -> Inputs:
+    """Return the inputs of a packed request, whose state has ``first`` entries."""
+    return Inputs(
+        four(read, numbers, first, column),
+        four(read, numbers, first + 4, column),
+        four(read, numbers, first + 8, column),
+    )
+
+
+def request_environment(read: Read, numbers: Vector, first: int, column: int) -> Environment:
+    """Return the environment of a packed request, whose state has ``first`` entries."""
+    friction = four(read, numbers, first + 14, column)
+    return Environment(read(numbers, first + 12, column), read(numbers, first + 13, column), friction)
+
+
+def request_rates(read: Read, numbers: Vector, first: int, column: int) -> PerWheel:
+    """Return the steer rates of a packed request, whose state has ``first`` entries [rad/s]."""
+    return four(read, numbers, first + 18, column)
+
+
+def unpacked_request(read: Read, numbers: Vector, column: int) -> tuple[State, Inputs, Environment]:
+    """Return what `packed_request` has packed, but for the rates."""
+    return (
+        request_state(read, numbers, column),
+        request_inputs(read, numbers, STATE, column),
+        request_environment(read, numbers, STATE, column),
+    )
