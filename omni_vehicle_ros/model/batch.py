@@ -171,20 +171,26 @@ def _driven(
     return found[:, :count]
 
 
-def _request(states: Vector, inputs: Vector, environment: Vector, rates: Vector) -> Vector:
-    """Return all rows one below the other, with columns up to a whole number of blocks: those of the last vehicle."""
-    count = states.shape[1]
-    places = np.minimum(np.arange(-(-count // WIDTH) * WIDTH), count - 1)
-    parts = (states, inputs, environment, rates)
-    rows = [np.broadcast_to(part, (len(part), count))[:, places] for part in parts]
-    return np.ascontiguousarray(np.vstack(rows), dtype=np.float64)
+def _request(*parts: Vector) -> Vector:
+    """Return all rows one below the other, in whole blocks of columns."""
+    count = parts[0].shape[1]
+    request = np.empty((sum(map(len, parts)), -(-count // WIDTH) * WIDTH))
+    np.concatenate([np.broadcast_to(part, (len(part), count)) for part in parts], out=request[:, :count])
+    return _filled(request, count)
 
 
 def _constants(constants: Vector) -> tuple[Vector, Vector]:
-    """Return the constants with columns up to a whole number of blocks, or of one block, and those of one vehicle."""
-    columns = constants.shape[1]
-    places = np.minimum(np.arange(-(-columns // WIDTH) * WIDTH), columns - 1)
-    return np.ascontiguousarray(constants[:, places]), np.ascontiguousarray(constants[:, 0])
+    """Return constants in whole blocks of columns, and those of one vehicle, which tell what all have in common."""
+    rows, count = constants.shape
+    model = np.empty((rows, -(-count // WIDTH) * WIDTH))
+    model[:, :count] = constants
+    return _filled(model, count), model[:, 0].copy()
+
+
+def _filled(columns: Vector, count: int) -> Vector:
+    """Let the last vehicle drive in all lanes that are left over."""
+    columns[:, count:] = columns[:, count - 1 : count]
+    return columns
 
 
 def _share(work: Callable[[int, int], None], columns: int, threads: int) -> None:
