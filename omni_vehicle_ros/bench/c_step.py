@@ -9,9 +9,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from omni_vehicle_ros.errors import RunError
+from omni_vehicle_ros.model.packing import STATE
 from omni_vehicle_ros.model.state import Vector
 
 COMPILERS = ('cc', 'gcc', 'clang')
@@ -20,15 +19,15 @@ OPTIONS = ('-O2', '-shared', '-fPIC')
 
 
 class CStep(NamedTuple):
-    """``advance`` of step.c: pointers to request and constants, steps, size, constant speed, pointer to the end."""
+    """``advance`` of step.c: pointers to request and constants, steps, size, constant speed."""
 
-    advance: Callable[[int, int, int, float, bool, int], None]
-    end: Vector
+    advance: Callable[[int, int, int, float, bool], None]
 
     def drive(self, request: Vector, constants: Vector, steps: int, size: float) -> Vector:
         """Return the state after some steps, shape (10,)."""
-        self.advance(request.ctypes.data, constants.ctypes.data, steps, size, False, self.end.ctypes.data)
-        return self.end.copy()
+        there = request.copy()
+        self.advance(there.ctypes.data, constants.ctypes.data, steps, size, False)
+        return there[:STATE]
 
 
 def compiled_step() -> CStep | None:
@@ -51,6 +50,6 @@ def compiled_step() -> CStep | None:
             raise RunError(f'{compiler} fails on step.c: {(done.stderr.strip() or "no reason given").splitlines()[0]}')
         function = ctypes.CDLL(str(library)).advance
     pointer = ctypes.c_void_p
-    function.argtypes = (pointer, pointer, ctypes.c_long, ctypes.c_double, ctypes.c_int, pointer)
+    function.argtypes = (pointer, pointer, ctypes.c_long, ctypes.c_double, ctypes.c_int)
     function.restype = None
-    return CStep(function, np.empty(10))
+    return CStep(function)

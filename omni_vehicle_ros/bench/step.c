@@ -211,13 +211,12 @@ static void bound(double state[STATE])
     state[2] = clamp(state[2], -MAXIMUM_YAW_RATE, MAXIMUM_YAW_RATE);
 }
 
-void advance(const double *packed, const double *constants, long steps, double size, int constant_speed, double *state)
+/* Replaces the state at the head of a packed request by that at the end. */
+void advance(double *state, const double *constants, long steps, double size, int constant_speed)
 {
-    const Request *request = (const Request *)(packed + STATE);
+    const Request *request = (const Request *)(state + STATE);
     const Constants *c = (const Constants *)constants;
     double k1[STATE], k2[STATE], k3[STATE], k4[STATE], between[STATE];
-    for (int entry = 0; entry < STATE; entry++)
-        state[entry] = packed[entry];
     for (long number = 0; number < steps; number++) {
         double time = number * size;
         bound(state);

@@ -6,41 +6,28 @@ from omni_vehicle_ros.model import dynamics, integrate
 from omni_vehicle_ros.model.compiled import BRANCHES, LEAVES, advance_kernel, compile_kernels
 from omni_vehicle_ros.model.dynamics import Evaluation
 from omni_vehicle_ros.model.lanes import load, store
-from omni_vehicle_ros.model.packing import STATE, request_rates, unpacked_constants, unpacked_request
-from omni_vehicle_ros.model.state import State, Vector
+from omni_vehicle_ros.model.packing import (
+    STATE,
+    request_rates,
+    unpacked_constants,
+    unpacked_request,
+    write_four,
+    write_state,
+)
+from omni_vehicle_ros.model.state import Vector
 from omni_vehicle_ros.wheels import PerWheel
 
 DriveKernel = Callable[[Vector, Vector, Vector, int, int, float, bool, bool, int, int, int, Vector], None]
 
 
-def store_four(numbers: Vector, first: int, column: int, values: PerWheel) -> None:
-    """Write four lanes, one below the other."""
-    store(numbers, first, column, values[0])
-    store(numbers, first + 1, column, values[1])
-    store(numbers, first + 2, column, values[2])
-    store(numbers, first + 3, column, values[3])
-
-
-def store_state(numbers: Vector, column: int, state: State) -> None:
-    """Write a state, in the order of its entries."""
-    store(numbers, 0, column, state.vx)
-    store(numbers, 1, column, state.vy)
-    store(numbers, 2, column, state.r)
-    store(numbers, 3, column, state.x)
-    store(numbers, 4, column, state.y)
-    store(numbers, 5, column, state.psi)
-    tyres = state.front_left, state.front_right, state.rear_left, state.rear_right
-    store_four(numbers, 6, column, tyres)
-
-
 def store_evaluation(numbers: Vector, column: int, found: Evaluation) -> None:
     """Write an evaluation below a state, in the order of `batch.Drive`, and keep the largest slips and uses."""
-    store_four(numbers, STATE, column, found.steer_angle)
-    store_four(numbers, STATE + 4, column, found.side_slip)
-    store_four(numbers, STATE + 8, column, found.longitudinal_force)
-    store_four(numbers, STATE + 12, column, found.lateral_force)
-    store_four(numbers, STATE + 16, column, found.vertical_load)
-    store_four(numbers, STATE + 20, column, found.friction_use)
+    write_four(store, numbers, STATE, column, found.steer_angle)
+    write_four(store, numbers, STATE + 4, column, found.side_slip)
+    write_four(store, numbers, STATE + 8, column, found.longitudinal_force)
+    write_four(store, numbers, STATE + 12, column, found.lateral_force)
+    write_four(store, numbers, STATE + 16, column, found.vertical_load)
+    write_four(store, numbers, STATE + 20, column, found.friction_use)
     store(numbers, STATE + 24, column, found.roll_angle)
     store(numbers, STATE + 25, column, found.ax)
     store(numbers, STATE + 26, column, found.ay)
@@ -90,14 +77,14 @@ def kernels(source: str) -> tuple[DriveKernel]:
                     inputs = integrate.steered(inputs, rates, steps * size)
                 if watched:
                     store_evaluation(found, column, dynamics.evaluation(now, inputs, road, model, constant_speed))
-            store_state(found, column, now)
+            write_state(store, found, column, now)
 
     return (drive,)
 
 
 def compile_batch() -> tuple[int, DriveKernel]:
     """Return the number of lanes and the kernels, not compiled before their first call."""
-    helpers = store_four, store_state, store_evaluation, keep_larger
+    helpers = store_evaluation, keep_larger
     found = None
     if advance_kernel is not None:
         found = compile_kernels(kernels, helpers, (), (), BRANCHES + LEAVES, nogil=True)

@@ -16,6 +16,7 @@ from omni_vehicle_ros.wheels import PerWheel
 
 STATE = 10  # entries of the state
 Read = Callable[[Vector, int, int], float]
+Write = Callable[[Vector, int, int, float], None]
 
 
 @functools.lru_cache(maxsize=8)
@@ -38,6 +39,11 @@ def packed_request(
 def entry(numbers: Vector, row: int, column: int) -> float:
     """Return a number of a vector, for one vehicle alone; the column says nothing."""
     return float(numbers[row])
+
+
+def replace(numbers: Vector, row: int, column: int, value: float) -> None:
+    """Write a number of a vector, for one vehicle alone; the column says nothing."""
+    numbers[row] = value
 
 
 def unpacked_constants(read: Read, numbers: Vector, column: int, shared: Vector) -> Constants:
@@ -138,3 +144,23 @@ def unpacked_request(read: Read, numbers: Vector, column: int) -> tuple[State, I
         request_inputs(read, numbers, STATE, column),
         request_environment(read, numbers, STATE, column),
     )
+
+
+def write_state(write: Write, numbers: Vector, column: int, state: State) -> None:
+    """Write a state, in the order of its entries, by `replace` or by `store`."""
+    write(numbers, 0, column, state.vx)
+    write(numbers, 1, column, state.vy)
+    write(numbers, 2, column, state.r)
+    write(numbers, 3, column, state.x)
+    write(numbers, 4, column, state.y)
+    write(numbers, 5, column, state.psi)
+    tyres = state.front_left, state.front_right, state.rear_left, state.rear_right
+    write_four(write, numbers, 6, column, tyres)
+
+
+def write_four(write: Write, numbers: Vector, first: int, column: int, values: PerWheel) -> None:
+    """Write four numbers from one place on."""
+    write(numbers, first, column, values[0])
+    write(numbers, first + 1, column, values[1])
+    write(numbers, first + 2, column, values[2])
+    write(numbers, first + 3, column, values[3])

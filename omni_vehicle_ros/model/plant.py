@@ -4,7 +4,7 @@ from omni_vehicle_ros.model.compiled import advance_kernel
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import NO_GAIN, Environment, Inputs
 from omni_vehicle_ros.model.integrate import integrate
-from omni_vehicle_ros.model.packing import packed_constants, packed_request
+from omni_vehicle_ros.model.packing import STATE, packed_constants, packed_request
 from omni_vehicle_ros.model.state import Vector, state_vector, state_view
 from omni_vehicle_ros.wheels import PerWheel
 
@@ -57,4 +57,5 @@ def advance(
             integrate(now, inputs, steer_rate, environment, constants, steps, size, constant_speed)
         )
     request = packed_request(state, inputs, environment, steer_rate)
-    return advance_kernel(request, packed_constants(constants), steps, size, constant_speed)
+    advance_kernel(request, packed_constants(constants), steps, size, constant_speed)
+    return request[:STATE]

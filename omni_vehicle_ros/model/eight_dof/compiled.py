@@ -17,10 +17,12 @@ from omni_vehicle_ros.model.packing import (
     entry,
     four,
     packed_constants,
+    replace,
     request_environment,
     request_inputs,
     request_rates,
     unpacked_constants,
+    write_four,
 )
 from omni_vehicle_ros.model.state import Vector
 
@@ -65,10 +67,13 @@ def _state(n: Vector) -> EightDofState:
     return EightDofState(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], spin, along, across)
 
 
-def _vector(now: EightDofState) -> Vector:
+def _write(numbers: Vector, now: EightDofState) -> None:
     vx, vy, r, x, y, psi, roll, roll_rate, spin, along, across = now
-    body = np.array((vx, vy, r, x, y, psi, roll, roll_rate))
-    return np.concatenate((body, np.array(spin), np.array(along), np.array(across)))
+    write_four(replace, numbers, 0, 0, (vx, vy, r, x))
+    write_four(replace, numbers, 4, 0, (y, psi, roll, roll_rate))
+    write_four(replace, numbers, 8, 0, spin)
+    write_four(replace, numbers, 12, 0, along)
+    write_four(replace, numbers, 16, 0, across)
 
 
 def compile_eight_dof() -> Kernels | tuple[None, None]:
@@ -76,7 +81,7 @@ def compile_eight_dof() -> Kernels | tuple[None, None]:
     if plane.advance_kernel is None:
         return None, None
     used = plane.BRANCHES + plane.LEAVES
-    return plane.compile_kernels(kernels, (_unpacked, _state, _vector), BRANCHES, LEAVES, used) or (None, None)
+    return plane.compile_kernels(kernels, (_unpacked, _state, _write), BRANCHES, LEAVES, used) or (None, None)
 
 
 def kernels(source: str) -> Kernels:
@@ -93,14 +98,13 @@ def kernels(source: str) -> Kernels:
         environment = request_environment(entry, request, STATE, 0)
         return dynamics.evaluation(_state(request), inputs, environment, _unpacked(constants), constant_speed)
 
-    def advance(request: Vector, constants: Vector, steps: int, size: float, constant_speed: bool) -> Vector:
+    def advance(request: Vector, constants: Vector, steps: int, size: float, constant_speed: bool) -> None:
         source  # noqa: B018
         inputs = request_inputs(entry, request, STATE, 0)
         environment = request_environment(entry, request, STATE, 0)
         now, rates, model = _state(request), request_rates(entry, request, STATE, 0), _unpacked(constants)
-        return _vector(
-            integrate.integrate(now, inputs, rates, environment, model, steps, size, constant_speed)
-        )
+        end = integrate.integrate(now, inputs, rates, environment, model, steps, size, constant_speed)
+        _write(request, end)
 
     return evaluate, advance
 

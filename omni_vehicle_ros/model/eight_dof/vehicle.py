@@ -3,7 +3,7 @@
 import math
 
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
-from omni_vehicle_ros.model.eight_dof.compiled import advance_kernel, evaluate_kernel, packed_eight_dof
+from omni_vehicle_ros.model.eight_dof.compiled import STATE, advance_kernel, evaluate_kernel, packed_eight_dof
 from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
 from omni_vehicle_ros.model.eight_dof.dynamics import evaluation
 from omni_vehicle_ros.model.eight_dof.integrate import integrate
@@ -57,4 +57,5 @@ def advance(
         end = integrate(state_view(state), inputs, steer_rate, environment, constants, steps, size, constant_speed)
         return state_vector(end)
     request = packed_request(state, inputs, environment, steer_rate)
-    return advance_kernel(request, packed_eight_dof(constants), steps, size, constant_speed)
+    advance_kernel(request, packed_eight_dof(constants), steps, size, constant_speed)
+    return request[:STATE]
