@@ -1,34 +1,21 @@
 """Starts the nodes of a vehicle as processes, watches them, and leaves none behind."""
 
-import os
-import selectors
 import signal
-import subprocess
-import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import yaml
 
-from omni_vehicle_ros.ending import ENDING, hold_signals, release_signals
+from omni_vehicle_ros.ending import ENDING
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.interface import DRIVER, PLANT, RECORDER, resolve
 from omni_vehicle_ros.parameters import PacingParameters
-from omni_vehicle_ros.scenarios import Scenario, scenario_directory
+from omni_vehicle_ros.processes import Processes
+from omni_vehicle_ros.scenarios import Scenario
 from omni_vehicle_ros.scenarios.parameter_file import parameter_file
 
-BOOT = (
-    'import sys; sys.path[:] = filter(None, sys.path); '
-    'from omni_vehicle_ros.executables import main; main(sys.argv.pop(1))'
-)
-"""What Python runs: never a module that happens to lie in the current directory."""
-
-STOP_LIMIT = 8.0
 WATCH_PERIOD = 0.1
-PARENT = 'OMNI_VEHICLE_PARENT'
-"""Environment variable: a node whose parent is no longer this process ends."""
 
 
 class Graph:
@@ -67,8 +54,7 @@ class Graph:
         self._directory, self._participants = directory, participants
         self._one_process, self._namespace = one_process, namespace.strip('/')
         self._parameters = directory / 'parameters.yaml'
-        self._processes: dict[str, subprocess.Popen[bytes]] = {}
-        self._selector = selectors.DefaultSelector()
+        self.processes = Processes(directory / 'log')
         settings = PacingParameters(pacing=pacing, participants=participants, publish_clock=publish_clock)
         text = node_parameters(scenario, directory.resolve(), settings, commands)
         self._parameters.write_text(text, encoding='utf-8')
@@ -84,17 +70,18 @@ class Graph:
         """
         handlers = {number: signal.signal(number, self._interrupt) for number in ENDING}
         try:
-            self._start()
+            self.start()
             self._watch(progress)
         finally:
-            self._stop()
+            self.stop()
             for number, handler in handlers.items():
                 signal.signal(number, handler)
 
     def _interrupt(self, number: int, frame: Any) -> None:
         self.interrupted = self.interrupted or number
 
-    def _start(self) -> None:
+    def start(self) -> None:
+        """Start all nodes."""
         if self._one_process:
             options = ['--namespace', self._namespace, '--nodes', *self._participants]
             self._spawn('vehicle', 'vehicle', options, '')
@@ -104,108 +91,39 @@ class Graph:
             self._spawn(role, role.split('/')[-1], [], resolve(wheel, self._namespace))
 
     def _spawn(self, role: str, executable: str, options: list[str], namespace: str) -> None:
-        """Start one process, in a session of its own: a Ctrl-C in the terminal is for us to pass on.
-
-        It inherits held signals, and lets them through when it can handle them.
-        """
         remap = ['-r', f'__ns:={namespace}'] if namespace else []
-        command = [sys.executable, '-c', BOOT, f'nodes.{executable}', *options]
-        command += ['--ros-args', '--params-file', str(self._parameters), *remap]
-        hold_signals()
-        with self._log(role).open('wb') as log:
-            process = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=log,
-                env=node_environment(),
-                start_new_session=True,
-            )
-        release_signals()
-        self._processes[role] = process
-        assert process.stdout is not None
-        os.set_blocking(process.stdout.fileno(), False)
-        self._selector.register(process.stdout, selectors.EVENT_READ, role)
-
-    def _log(self, role: str) -> Path:
-        return self._directory / 'log' / f'{role.replace("/", "_")}.log'
+        options = [*options, '--ros-args', '--params-file', str(self._parameters), *remap]
+        self.processes.spawn(role, f'nodes.{executable}', options)
 
     def _watch(self, progress: Callable[[float], None]) -> None:
         last = RECORDER if not self._one_process else 'vehicle'
         while not self.interrupted:
-            self._read(progress, WATCH_PERIOD)
-            for role, process in self._processes.items():
-                code = process.poll()
-                if code is None:
-                    continue
+            self._read(self.processes.lines(WATCH_PERIOD), progress)
+            for role, code in self.processes.ended().items():
                 if role == last and code == 0:
-                    self._read(progress, 0.0)
+                    self._read(self.processes.lines(0.0), progress)
                     return
-                self._note_death(role, f'{role} ended with code {code}{self._last_words(role)}')
+                self._note_death(role)
 
-    def _note_death(self, role: str, text: str) -> None:
+    def _note_death(self, role: str) -> None:
         """Go on without a node that the others can do without; those who miss it name it on /diagnostics."""
         if role in (PLANT, DRIVER, RECORDER, 'vehicle') or not self._moving:
-            raise RunError(text)
-        self.dead.setdefault(role, text)
+            raise RunError(self.processes.last_words(role))
+        self.dead.setdefault(role, self.processes.last_words(role))
 
-    def _read(self, progress: Callable[[float], None], timeout: float) -> None:
+    def _read(self, lines: list[str], progress: Callable[[float], None]) -> None:
         """Take what the nodes print: the time from the driver, the count from the recorder."""
-        for key, _ in self._selector.select(timeout):
-            stream: IO[bytes] = key.fileobj  # type: ignore[assignment]
-            data = stream.read()
-            if not data:
-                self._selector.unregister(stream)
-                continue
-            for line in data.decode(errors='replace').splitlines():
-                words = line.split()
-                if len(words) == 2 and words[0] == 'time':
-                    self._moving = True
-                    progress(float(words[1]))
-                elif words[:1] == ['recorded']:
-                    self.messages, self.lost = int(words[1]), int(words[3])
+        for line in lines:
+            words = line.split()
+            if len(words) == 2 and words[0] == 'time':
+                self._moving = True
+                progress(float(words[1]))
+            elif words[:1] == ['recorded']:
+                self.messages, self.lost = int(words[1]), int(words[3])
 
-    def _last_words(self, role: str) -> str:
-        lines = self._log(role).read_text(errors='replace').splitlines()
-        said = [line for line in lines if line.strip()]
-        return f': {said[-1].removeprefix("error: ")}' if said else ''
-
-    def _stop(self) -> None:
-        """Ask all to end, the recorder last; kill what does not."""
-        roles = sorted(self._processes, key=lambda role: role == RECORDER)
-        others = [role for role in roles if role != RECORDER]
-        for group in (others, [role for role in roles if role == RECORDER]):
-            for role in group:
-                if self._processes[role].poll() is None:
-                    self._processes[role].send_signal(signal.SIGINT)
-            until = time.monotonic() + STOP_LIMIT
-            for role in group:
-                self._await(self._processes[role], until)
-        self._read(lambda time: None, 0.0)
-        for process in self._processes.values():
-            if process.stdout is not None:
-                process.stdout.close()
-        self._selector.close()
-
-    def _await(self, process: 'subprocess.Popen[bytes]', until: float) -> None:
-        try:
-            process.wait(max(until - time.monotonic(), 0.1))
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-
-
-def node_environment() -> dict[str, str]:
-    """Return the environment of a node that ends with this process."""
-    return {**network_environment(), PARENT: str(os.getpid())}
-
-
-def network_environment() -> dict[str, str]:
-    """Return the environment of a node: this machine only, found soon, unless the user has said otherwise."""
-    environment = dict(os.environ)
-    environment.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    environment.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(scenario_directory().parent / 'fastdds.xml'))
-    return environment
+    def stop(self) -> None:
+        """Ask all to end, the recorder last."""
+        self._read(self.processes.stop(last=RECORDER), lambda time: None)
 
 
 def node_parameters(

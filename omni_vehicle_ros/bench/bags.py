@@ -3,33 +3,20 @@
 import os
 import struct
 import tempfile
-from collections.abc import Iterator
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import zstandard
 
 from omni_vehicle_ros.bags import BagWriter, read_blocks
 from omni_vehicle_ros.bags.mcap.records import CHUNK, FOOTER, MAGIC, RECORD
+from omni_vehicle_ros.bench.examples import example
 from omni_vehicle_ros.bench.frame import CALIBRATION, ROUNDS, Line, Progress, Result, at_least, at_most, interleaved
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.interface import TOPICS, Topic
-from omni_vehicle_ros.messages import (
-    SECOND,
-    VALUE_TYPES,
-    Clock,
-    Forces,
-    Imu,
-    Joints,
-    Odometry,
-    Step,
-    Twist,
-    encode,
-)
-from omni_vehicle_ros.wheels import WHEELS
+from omni_vehicle_ros.messages import SECOND, encode
 
 CYCLES = 40_000
 """Of 5 ms: 200 s of driving."""
@@ -133,31 +120,4 @@ def write_bag(directory: Path, cycles: int) -> int:
 
 
 def _messages(rows: list[Topic], cycle: int, random: np.random.Generator) -> list[bytes]:
-    return [encode(row.type, _value(row, cycle * PERIOD, iter(random.normal(size=24).tolist()))) for row in rows]
-
-
-def _value(row: Topic, stamp: int, numbers: Iterator[float]) -> Any:
-    def take(count: int) -> tuple[float, ...]:
-        return tuple(islice(numbers, count))
-
-    kind = VALUE_TYPES[row.type]
-    if kind is Clock:
-        return Clock(stamp)
-    if kind is Step:
-        return Step(stamp, CYCLES * PERIOD, ('driver/icr', 'driver/speed'))
-    if kind is Joints:
-        names = _joints(row.name)
-        size = len(names)
-        return Joints(stamp, names, take(size), take(size), take(size), row.frame)
-    if kind is Forces:
-        return Forces(stamp, WHEELS, tuple((next(numbers), next(numbers), next(numbers)) for _ in WHEELS))
-    return {Odometry: Odometry, Imu: Imu, Twist: Twist}[kind](stamp, *take(3 if kind is Twist else 6))
-
-
-def _joints(topic: str) -> tuple[str, ...]:
-    wheel = topic.partition('/')[0]
-    if wheel in WHEELS:
-        return f'{wheel}_steer', f'{wheel}_drive'
-    if topic.startswith('tyres'):
-        return WHEELS
-    return tuple(f'{one}_{kind}' for kind in ('steer', 'drive') for one in WHEELS)
+    return [encode(row.type, example(row, cycle * PERIOD, iter(random.normal(size=24).tolist()))) for row in rows]

@@ -11,6 +11,7 @@ from typing import Protocol
 import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.executors import Executor
 from rclpy.experimental import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
@@ -62,13 +63,13 @@ class Stop:
         return self._parent != 0 and os.getppid() != self._parent
 
 
-def run(make: Callable[[Context], Sequence[Served]]) -> int:
+def run(make: Callable[[Context], Sequence[Served]], make_executor: Callable[..., Executor] = EventsExecutor) -> int:
     """Make nodes and serve them until one has finished or a signal comes; return the exit code."""
     stop = Stop()
     context = Context()
     try:
         rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
-        _live(make, context, stop)
+        _live(make, make_executor, context, stop)
     except (OmniVehicleError, *REFUSALS) as error:
         print(f'error: {_one_line(error)}', file=sys.stderr)
         return EXIT_USAGE
@@ -80,9 +81,11 @@ def run(make: Callable[[Context], Sequence[Served]]) -> int:
     return 0
 
 
-def _live(make: Callable[[Context], Sequence[Served]], context: Context, stop: Stop) -> None:
+def _live(
+    make: Callable[[Context], Sequence[Served]], make_executor: Callable[..., Executor], context: Context, stop: Stop
+) -> None:
     """Make the nodes, serve them, and end them whatever happened."""
-    executor = EventsExecutor(context=context)
+    executor = make_executor(context=context)
     nodes: Sequence[Served] = ()
     try:
         nodes = make(context)
@@ -103,7 +106,7 @@ def _one_line(error: Exception) -> str:
     return ' '.join(str(error).split(', at /')[0].split())
 
 
-def serve(executor: EventsExecutor, nodes: Sequence[Served], stop: Stop) -> None:
+def serve(executor: Executor, nodes: Sequence[Served], stop: Stop) -> None:
     """Take messages and poll the nodes until one has finished; every wait is finite."""
     due = 0.0
     while not stop.asked:
