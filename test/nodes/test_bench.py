@@ -58,5 +58,6 @@ def segments(lab: Lab) -> set[Path]:
             maps = Path(f'/proc/{number}/maps').read_text()
         except OSError:
             continue
-        found |= {Path(line.split()[-1]) for line in maps.splitlines() if '/dev/shm/fastrtps_' in line and 'port' not in line}
+        names = (line.split()[-1] for line in maps.splitlines() if '/dev/shm/fastrtps_' in line)
+        found |= {Path(name) for name in names if 'port' not in name}
     return found
