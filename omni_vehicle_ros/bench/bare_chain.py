@@ -10,6 +10,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
+from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
 from omni_vehicle_ros.bench.examples import example
@@ -94,11 +95,11 @@ class BareNode(Node):  # type: ignore[misc]
 
 
 class PlainExecutor(SingleThreadedExecutor):  # type: ignore[misc]
-    """Waits as its ``spin`` does: always as long, for else it would make its wait set anew for every message."""
+    """Waits as its ``spin`` does: without a time-out, whose change would have it make its wait set anew each time."""
 
-    def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Serve one callback, or wait for one for up to `RESEND`."""
-        super().spin_once(timeout_sec=RESEND)
+    def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
+        """Serve until something completes the future."""
+        super().spin_until_future_complete(future)
 
 
 def main() -> None:

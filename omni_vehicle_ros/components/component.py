@@ -51,18 +51,22 @@ class Reporter:
 
     def __init__(self, name: str) -> None:
         self._name = name
-        self._last: Status | None = None
+        self._last: Health | None = None
         self._when = -DIAGNOSTICS_PERIOD
         self._hold = Hold()
 
     def report(self, stamp: int, state: Health) -> list[Output]:
         """Return the message to publish on /diagnostics, or nothing."""
         state = self._hold.update(stamp, state)
-        level, message = state.level, state.message
-        status = Status(level, self._name, message, state.values)
         last, age = self._last, stamp - self._when
-        changed = last is None or level != last.level or (message != last.message and age >= DIAGNOSTICS_GAP)
-        if not changed and age < DIAGNOSTICS_PERIOD:
+        if last is not None and age < DIAGNOSTICS_PERIOD and not _changed(last, state, age):
             return []
-        self._last, self._when = status, stamp
+        self._last, self._when = state, stamp
+        status = Status(state.level, self._name, state.message, state.values)
         return [Output('/diagnostics', Diagnostics(stamp, (status,)))]
+
+
+def _changed(last: Health, state: Health, age: int) -> bool:
+    if state.notes == last.notes:
+        return False
+    return state.level != last.level or (age >= DIAGNOSTICS_GAP and state.message != last.message)

@@ -21,6 +21,7 @@ class Gate:
         self.lost: set[str] = set()
         self._answered = dict.fromkeys(sources, -1)
         self._open: int | None = None
+        self._awaited: set[str] = set()
         self._heard: Counter[str] = Counter()
         self._announced: Counter[str] = Counter()
 
@@ -29,12 +30,15 @@ class Gate:
         if self._open is not None and stamp > self._open:
             self.give_up()
         self._open = stamp
+        self._awaited = {source for source, answered in self._answered.items() if answered < stamp} - self.lost
 
     def answer(self, source: str, stamp: int) -> None:
         """Note that a source has answered for ``stamp`` [ns]."""
         if source in self._answered and stamp > self._answered[source]:
             self._answered[source] = stamp
             self.lost.discard(source)
+            if self._open is not None:
+                (self._awaited.discard if stamp >= self._open else self._awaited.add)(source)
 
     def hear(self, topic: str) -> None:
         """Note a message that may be announced."""
@@ -46,7 +50,7 @@ class Gate:
 
     def missing(self) -> tuple[str, ...]:
         """Return the sources that have not answered for the open cycle, lost ones included."""
-        if self._open is None:
+        if self._open is None or not (self._awaited or self.lost):
             return ()
         return tuple(source for source, stamp in self._answered.items() if stamp < self._open)
 
@@ -58,11 +62,8 @@ class Gate:
 
     def ready(self) -> int | None:
         """Return the stamp [ns] of the open cycle if it is complete, else None."""
-        if self._open is None:
+        if self._open is None or self._awaited:
             return None
-        for source, stamp in self._answered.items():
-            if stamp < self._open and source not in self.lost:
-                return None
         for topic, count in self._announced.items():
             if self._heard[topic] < count:
                 return None
@@ -80,4 +81,5 @@ class Gate:
     def give_up(self) -> None:
         """Stop waiting for what is not there: it is lost until it answers again."""
         self.lost.update(self.missing())
+        self._awaited.clear()
         self._heard, self._announced = Counter(), Counter()

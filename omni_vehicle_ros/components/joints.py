@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.messages import Joints
-from omni_vehicle_ros.wheels import WHEELS, PerWheel, drive_joint, per_wheel, steer_joint
+from omni_vehicle_ros.wheels import WHEELS, PerWheel, drive_joint, steer_joint
 
 JOINT_NAMES = tuple(steer_joint(wheel) for wheel in WHEELS) + tuple(drive_joint(wheel) for wheel in WHEELS)
 ZEROS: PerWheel = (0.0, 0.0, 0.0, 0.0)
@@ -43,13 +43,7 @@ def vehicle_joints(value: Joints) -> VehicleJoints | None:
         return None
     position, velocity = value.position, value.velocity
     effort = value.effort if len(value.effort) == 8 else ZEROS + ZEROS
-    return VehicleJoints(
-        per_wheel(lambda i: position[i]),
-        per_wheel(lambda i: velocity[i]),
-        per_wheel(lambda i: position[4 + i]),
-        per_wheel(lambda i: velocity[4 + i]),
-        per_wheel(lambda i: effort[4 + i]),
-    )
+    return VehicleJoints(position[:4], velocity[:4], position[4:], velocity[4:], effort[4:])
 
 
 def _sorted(value: Joints) -> Joints:

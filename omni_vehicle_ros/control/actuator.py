@@ -66,6 +66,7 @@ class SteerActuator:
         self._delay = round(parameters.steer_delay * NANOSECONDS)
         self._angle = angle
         self._now: int | None = None
+        self._foreseen: tuple[int, float] | None = None
         self._staircase: list[tuple[int, float]] = []
 
     @property
@@ -77,6 +78,8 @@ class SteerActuator:
         """Go on to ``now`` [ns] with the set-points given so far, and return the steer angle there [rad]."""
         if self._now is None or now < self._now:
             self._staircase = [(now - self._delay, self._angle)]
+        elif self._foreseen is not None and self._foreseen[0] == now:
+            self._angle = self._foreseen[1]
         elif not self._parameters.ideal_actuators:
             self._angle = self._follow(self._now, now)
         self._now = now
@@ -101,7 +104,9 @@ class SteerActuator:
             self._angle = set_point
             return SteerMotion(set_point, 0.0)
         self._remember(now, set_point)
-        ahead = self._follow(now, now + round(period * NANOSECONDS))
+        end = now + round(period * NANOSECONDS)
+        ahead = self._follow(now, end)
+        self._foreseen = end, ahead
         return SteerMotion(self._angle, (ahead - self._angle) / period)
 
     def _remember(self, now: int, set_point: float) -> None:

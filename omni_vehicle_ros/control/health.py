@@ -60,7 +60,9 @@ def health(notes: list[Note], doing: str, values: tuple[tuple[str, str], ...] = 
     values
         Names and values worth showing beside it.
     """
-    return Health(tuple(sorted(notes, key=lambda note: -note[0])) or ((OK, doing),), values)
+    if not notes:
+        return Health(((OK, doing),), values)
+    return Health(tuple(sorted(notes, key=lambda note: -note[0])), values)
 
 
 class Hold:

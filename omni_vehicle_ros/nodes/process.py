@@ -1,5 +1,6 @@
 """One process: signals, an executor with finite waits, and an end without traces."""
 
+import gc
 import os
 import signal
 import sys
@@ -15,6 +16,7 @@ from rclpy.executors import Executor
 from rclpy.experimental import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 
 from omni_vehicle_ros.ending import ENDING
 from omni_vehicle_ros.errors import OmniVehicleError
@@ -23,6 +25,9 @@ RCLError = rclpy_implementation.RCLError
 
 PARENT = 'OMNI_VEHICLE_PARENT'
 EXIT_USAGE = 2
+LOOK_PERIOD = 0.02
+GARBAGE = 10_000
+"""Objects more than before that set off a search for garbage; Python's own 700 come within a cycle or two."""
 
 REFUSALS = (InvalidParameterTypeException, InvalidParameterValueException, RCLError)
 """What rclpy says to parameters, files and names that it does not take."""
@@ -41,6 +46,9 @@ class Served(Protocol):
 
     def end(self) -> None:
         """Finish what must not be left half done; called once, before the node is destroyed."""
+
+    def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> object:
+        """Have a callback called from time to time."""
 
     def destroy_node(self) -> None:
         """Let go of all that is ROS."""
@@ -91,6 +99,7 @@ def _live(
         nodes = make(context)
         for node in nodes:
             executor.add_node(node)
+        spare_garbage_collection()
         serve(executor, nodes, stop)
     finally:
         for number in ENDING:
@@ -106,9 +115,39 @@ def _one_line(error: Exception) -> str:
     return ' '.join(str(error).split(', at /')[0].split())
 
 
+class Taking:
+    """Takes messages, with no way back into this process's own loop between two of them: that costs as much as one.
+
+    Parameters
+    ----------
+    executor
+        Of the nodes.
+    node
+        One of them.
+    """
+
+    def __init__(self, executor: Executor, node: Served) -> None:
+        self._executor = executor
+        self._end = Future()
+        # An executor looks at its time-out only when no message waits, and in lock step one always may.
+        node.create_timer(LOOK_PERIOD, lambda: self._end.set_result(None))
+
+    def take(self, timeout: float) -> None:
+        """Take messages until none waits and ``timeout`` [s] is over, but not much longer than `LOOK_PERIOD`."""
+        self._end = Future()
+        self._executor.spin_until_future_complete(self._end, timeout_sec=timeout)
+
+
+def spare_garbage_collection() -> None:
+    """Never look again at what is there before the first cycle: a search through all of it takes 0.1 s."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(GARBAGE)
+
+
 def serve(executor: Executor, nodes: Sequence[Served], stop: Stop) -> None:
     """Take messages and poll the nodes until one has finished; every wait is finite."""
-    due = 0.0
+    taking, due = Taking(executor, nodes[0]), 0.0
     while not stop.asked:
         now = time.monotonic()
         if now >= due:
@@ -117,4 +156,4 @@ def serve(executor: Executor, nodes: Sequence[Served], stop: Stop) -> None:
             if stop.orphaned() or any(node.finished for node in nodes):
                 return
             due = now + min(node.wait() for node in nodes)
-        executor.spin_once(timeout_sec=max(due - now, 0.0))
+        taking.take(max(due - now, 0.0))

@@ -3,6 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Callable
+from operator import itemgetter
 
 from rclpy.context import Context
 from rclpy.duration import Duration
@@ -29,10 +30,7 @@ INBOX = 512
 """Messages that may wait for their cycle; of a flood, the latest are kept."""
 
 _ORDER = {row.name: number for number, row in enumerate(interface.TOPICS)}
-
-
-def _by_topic(entry: tuple[int, str, Value]) -> int:
-    return entry[0]
+_BY_TOPIC = itemgetter(0)
 
 
 class Shell(Node):
@@ -87,7 +85,7 @@ class Shell(Node):
     def connect(self) -> None:
         """Make the publishers of this node."""
         self.open_ports([row for row in self.topics() if self.publishes(row.name)])
-        publishers = [publisher for publisher, _ in self._ports.values()]
+        publishers = self._topic_publishers.values()
         self._handshake = Handshake(
             self, self.role, self.vehicle_namespace, self.topics(), self.pacing.participants, publishers
         )
@@ -96,7 +94,11 @@ class Shell(Node):
 
     def open_ports(self, rows: list[interface.Topic]) -> None:
         """Make the publishers of some topics."""
-        self._ports = {row.name: (publish_on(self, row, self.vehicle_namespace), row.type) for row in rows}
+        self._topic_publishers = {row.name: publish_on(self, row, self.vehicle_namespace) for row in rows}
+        self._ports = {
+            name: (publisher.handle.publish_raw, interface.topic(name).type)
+            for name, publisher in self._topic_publishers.items()
+        }
 
     def topics(self) -> list[interface.Topic]:
         """Return the rows of the wiring table that this vehicle uses: /clock only if it owns it."""
@@ -153,7 +155,7 @@ class Shell(Node):
 
     def hand_over(self) -> None:
         """Hand the messages that wait to the component: always in the same order, whatever order they came in."""
-        waiting = sorted(self._inbox, key=_by_topic)
+        waiting = sorted(self._inbox, key=_BY_TOPIC)
         self._inbox.clear()
         for _, topic, value in waiting:
             self.component.receive(topic, value, self.now)
@@ -165,12 +167,12 @@ class Shell(Node):
 
     def say(self, topic: str, value: Value | Text) -> None:
         """Publish one message."""
-        publisher, type_name = self._ports[topic]
-        publisher.publish(encode(type_name, value))
+        publish, type_name = self._ports[topic]
+        publish(encode(type_name, value))
 
     def await_heard(self, topic: str) -> None:
         """Wait a little until those who listen to ``topic`` have what was published on it."""
-        self._ports[topic][0].wait_for_all_acked(Duration(seconds=0.5))
+        self._topic_publishers[topic].wait_for_all_acked(Duration(seconds=0.5))
 
     def poll(self) -> None:
         """Do what no message calls for: handshake, a look round, and the end of a wait that takes too long."""
