@@ -1,6 +1,8 @@
 """Starts the nodes of a vehicle as processes, watches them, and leaves none behind."""
 
+import json
 import signal
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,7 @@ from omni_vehicle_ros.scenarios import Scenario
 from omni_vehicle_ros.scenarios.parameter_file import parameter_file
 
 WATCH_PERIOD = 0.1
+LOAD_PERIOD = 0.5
 
 
 class Graph:
@@ -33,6 +36,16 @@ class Graph:
         All nodes in one process, instead of one process each.
     pacing, namespace, publish_clock, commands
         As in :func:`omni_vehicle_ros.run.run_scenario`.
+
+    Attributes
+    ----------
+    interrupted
+        Number of the signal that ended the run, or 0.
+    messages, lost, dead
+        As in :class:`omni_vehicle_ros.run.RunResult`.
+    real_time
+        After a run in real time: see :meth:`omni_vehicle_ros.components.punctuality.Punctuality.figures`, and by
+        process ``cpu``, share of a core from the first cycle to the last, and ``memory`` [byte].
     """
 
     def __init__(
@@ -50,6 +63,11 @@ class Graph:
         self.interrupted = 0  # or the number of the signal
         self.messages, self.lost = 0, 0
         self.dead: dict[str, str] = {}
+        self.real_time: dict[str, Any] = {}
+        self._begun: tuple[float, dict[str, float]] | None = None
+        self._load: dict[str, Any] = {}
+        self._weighed = 0.0
+        self._weighs = pacing == 'realtime'
         self._moving = DRIVER not in participants
         self._directory, self._participants = directory, participants
         self._one_process, self._namespace = one_process, namespace.strip('/')
@@ -99,6 +117,8 @@ class Graph:
         last = RECORDER if not self._one_process else 'vehicle'
         while not self.interrupted:
             self._read(self.processes.lines(WATCH_PERIOD), progress)
+            if self._weighs and self._moving and time.monotonic() - self._weighed >= LOAD_PERIOD:
+                self._weigh()
             for role, code in self.processes.ended().items():
                 if role == last and code == 0:
                     self._read(self.processes.lines(0.0), progress)
@@ -120,10 +140,24 @@ class Graph:
                 progress(float(words[1]))
             elif words[:1] == ['recorded']:
                 self.messages, self.lost = int(words[1]), int(words[3])
+            elif words[:1] == ['punctual']:
+                self.real_time = json.loads(line.removeprefix('punctual'))
 
     def stop(self) -> None:
         """Ask all to end, the recorder last."""
         self._read(self.processes.stop(last=RECORDER), lambda time: None)
+        if self.real_time:
+            self.real_time.update(self._load)
+
+    def _weigh(self) -> None:
+        """Note what each process takes, while all of them are there."""
+        self._weighed, now = time.monotonic(), self.processes.cpu_times()
+        if self._begun is None:
+            self._begun = self._weighed, now
+        elif not self.processes.ended():
+            begin, before = self._begun
+            cpu = {role: (now[role] - before[role]) / (self._weighed - begin) for role in now}
+            self._load = {'cpu': cpu, 'memory': self.processes.resident_sizes()}
 
 
 def node_parameters(

@@ -4,7 +4,7 @@ import json
 import os
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -25,6 +25,8 @@ MODES = ('processes', 'one-process', 'offline')
 PACINGS = ('lockstep', 'realtime')
 
 Progress = Callable[[float], None]
+
+_NOTHING: Mapping[str, Any] = {}
 
 
 class Interrupted(BaseException):
@@ -241,6 +243,7 @@ def run_scenario(
         progress(0.0)
         watch = Stopwatch(progress)
         dead: tuple[str, ...] = ()
+        real_time: dict[str, Any] = {}
         if mode == 'offline':
             from omni_vehicle_ros.simulation import simulate
 
@@ -263,7 +266,8 @@ def run_scenario(
             )
             _drive(graph, directory, scenario, watch.advance)
             messages, lost, dead = graph.messages, graph.lost, tuple(graph.dead.values())
-        metrics = analyse(directory, scenario)
+            real_time = graph.real_time
+        metrics = analyse(directory, scenario, real_time)
         return RunResult(directory, metrics, messages, lost, dead, watch.start, watch.rate)
 
 
@@ -363,7 +367,7 @@ def start_vehicle(
             return None
         driven = replace(driven, duration=ended)
         (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
-        analyse(directory, driven)
+        analyse(directory, driven, graph.real_time)
     return tuple(graph.dead.values())
 
 
@@ -377,12 +381,24 @@ def recorded_time(directory: Path) -> float | None:
     return float(bag['odom'].stamp[-1]) if 'odom' in bag and len(bag['odom']) > 1 else None
 
 
-def analyse(directory: Path, scenario: Scenario) -> dict[str, Any]:
-    """Write metrics.json and report.html for the bag of a run; return the metrics."""
+def analyse(directory: Path, scenario: Scenario, real_time: Mapping[str, Any] = _NOTHING) -> dict[str, Any]:
+    """Write metrics.json and report.html for the bag of a run; return the metrics.
+
+    Parameters
+    ----------
+    directory
+        Of the run.
+    scenario
+        What was run.
+    real_time
+        `Graph.real_time`, if there is something in it.
+    """
     from omni_vehicle_ros.analysis import compute_metrics, write_report
     from omni_vehicle_ros.bags import open_bag
 
     metrics = compute_metrics(open_bag(directory / 'bag'), scenario.vehicle)
+    if real_time:
+        metrics['real_time'] = dict(real_time)
     text = json.dumps(metrics, indent=2, allow_nan=False) + '\n'
     (directory / 'metrics.json').write_text(text, encoding='utf-8')
     write_report(directory)

@@ -52,6 +52,22 @@ def figures(metrics: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     ]
 
 
+def punctual(real_time: Mapping[str, Any] | None) -> list[tuple[str, list[str]]]:
+    """Return when the wheel modules answered in real time: what, and median, 99th percentile and largest [ms]."""
+    spreads = [
+        (words, real_time.get(name))
+        for name, words in (('answer', 'Answer after the tick'), ('jitter', 'Jitter from answer to answer'))
+    ] if real_time else []
+    return [(words, [_number(time, 1e3, 3) for time in spread.values()]) for words, spread in spreads if spread]
+
+
+def load(real_time: Mapping[str, Any] | None) -> list[tuple[str, list[str]]]:
+    """Return what each process of a run in real time took: node, share of a core [%], memory [MB]."""
+    memory = real_time.get('memory', {}) if real_time else {}
+    cpu = real_time.get('cpu', {}) if real_time else {}
+    return [(role, [_number(cpu.get(role), 100.0, 1), _number(size, 1e-6, 0)]) for role, size in memory.items()]
+
+
 def rows(metrics: Mapping[str, Any]) -> list[tuple[str, str, list[str]]]:
     """Return the rows of the table: wheel, words for it, cells."""
     rows: list[tuple[str, str, list[str]]] = []

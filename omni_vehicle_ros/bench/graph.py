@@ -3,11 +3,12 @@
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from itertools import count
 from pathlib import Path
+from statistics import median
 
 import rclpy
 from rclpy.context import Context
@@ -31,6 +32,8 @@ WARM_UP = SECOND
 SPAN = 3.0
 """How long each chain is watched [s]."""
 ROUNDS = 3
+MEMORY = 120
+"""What a node in a process of its own should stay below [MB]."""
 
 _numbers = count()
 
@@ -91,11 +94,20 @@ def bench(progress: Progress = lambda done: None, *, span: float = SPAN, rounds:
     """
     os.environ.update(network_environment())
     works: dict[str, Callable[[], Time]] = {}
+    sizes: dict[str, dict[str, int]] = {}
     for one_process, where in ((False, 'in processes'), (True, 'in one process')):
-        works[f'bare {where}'] = partial(cycle_time, partial(bare_chain, one_process), span)
-        works[f'seven nodes {where}'] = partial(cycle_time, partial(our_graph, SEVEN, one_process), span)
-        works[f'with driver and recorder {where}'] = partial(cycle_time, partial(our_graph, NODES, one_process), span)
+        for name, start in (
+            ('bare', partial(bare_chain, one_process)),
+            ('seven nodes', partial(our_graph, SEVEN, one_process)),
+            ('with driver and recorder', partial(our_graph, NODES, one_process)),
+        ):
+            memory = sizes[f'{name} {where}'] = {}
+            works[f'{name} {where}'] = partial(cycle_time, start, span, memory)
     times = interleaved(works, progress, rounds)
+    return Result((*_lines(times), *_memory(sizes)), times[CALIBRATION])
+
+
+def _lines(times: Mapping[str, Time]) -> list[Line]:
     lines: list[Line] = []
     for where, goal in (('in processes', 4.0), ('in one process', 15.0)):
         bare, ours, run = (
@@ -108,7 +120,15 @@ def bench(progress: Progress = lambda done: None, *, span: float = SPAN, rounds:
             Line(f'with driver and recorder {where}', 'cycles/s', 1.0 / run.wall),
             Line(f'with driver and recorder {where}', 'us CPU time/cycle', 1e6 * run.cpu),
         )
-    return Result(tuple(lines), times[CALIBRATION])
+    return lines
+
+
+def _memory(sizes: Mapping[str, Mapping[str, int]]) -> list[Line]:
+    bare = median(sizes['bare in processes'].values())
+    return [
+        Line(f'memory of {role}', 'MB', size / 1e6, bare / 1e6, 'bare rclpy node', note=f'goal below {MEMORY} MB')
+        for role, size in sizes['with driver and recorder in processes'].items()
+    ]
 
 
 @contextmanager
@@ -149,14 +169,28 @@ def endless() -> Scenario:
     })
 
 
-def cycle_time(start: Callable[[str, Path], AbstractContextManager[Processes]], span: float) -> Time:
-    """Return the time of one control cycle: on the wall, and CPU time of all processes taken together."""
+def cycle_time(
+    start: Callable[[str, Path], AbstractContextManager[Processes]], span: float, memory: dict[str, int]
+) -> Time:
+    """Return the time of one control cycle: on the wall, and CPU time of all processes taken together.
+
+    Parameters
+    ----------
+    start
+        Has the nodes run, in a namespace and with a directory for their files.
+    span
+        How long they are watched, at least [s].
+    memory
+        Gets the resident size of each process at the end [byte].
+    """
     namespace = f'/bench_{os.getpid()}_{next(_numbers)}'
     with tempfile.TemporaryDirectory() as folder:
         watch = Watch(namespace)
         try:
             with start(namespace, Path(folder)) as processes:
-                return _measure(watch, processes, span)
+                found = _measure(watch, processes, span)
+                memory.update(processes.resident_sizes())
+                return found
         finally:
             watch.close()
 

@@ -177,6 +177,7 @@ class Plant:
         radius = self._vehicle.wheel_radius
         forces = tuple(zip(now.longitudinal_force, now.lateral_force, now.vertical_load, strict=True))
         outputs = [
+            Output('joint_states', joints.message(stamp, interface.BASE_FRAME)),  # what the others wait for
             Output('odom', Odometry(stamp, x, y, psi, vx, vy, r)),
             Output('imu', Imu(stamp, now.roll_angle, psi, r, now.ax, now.ay, self._vehicle.gravity)),
             Output('tyres/force', Forces(stamp, WHEELS, forces)),
@@ -187,9 +188,7 @@ class Plant:
         ]
         if self._publish_clock:
             outputs.append(Output('/clock', Clock(stamp)))
-        outputs += self._reporter.report(stamp, self._health(stamp, now))
-        outputs.append(Output('joint_states', joints.message(stamp, interface.BASE_FRAME)))
-        return outputs
+        return outputs + self._reporter.report(stamp, self._health(stamp, now))
 
     def _health(self, stamp: int, now: Evaluation) -> Health:
         if self._passive and stamp < START_UP and not self._heard.issuperset(self._passive):

@@ -1,5 +1,6 @@
 """Node ``plant``: the simulated vehicle, and the one that keeps the time."""
 
+import json
 import sys
 import time
 
@@ -8,6 +9,7 @@ from rclpy.context import Context
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.plant import Plant
+from omni_vehicle_ros.components.punctuality import Punctuality
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import Text, Value, decode
 from omni_vehicle_ros.model.warm import warm
@@ -40,6 +42,7 @@ class PlantNode(Shell):
         warm(vehicle)
         self._tick = plant.control_period / self.pacing.realtime_factor
         self._state_timeout = round(plant.state_timeout * 1e9)
+        self._punctuality = Punctuality(self._plant.sources, self._tick)
         self._states = dict.fromkeys(self._plant.sources, -self._state_timeout - 1)
         self._ready: set[str] = set()
         self._begun = False
@@ -67,6 +70,8 @@ class PlantNode(Shell):
             return
         if topic in self._states:
             self._states[topic] = max(self._states[topic], min(value.stamp, self.now))
+            if not self.lockstep:
+                self._punctuality.answer(topic, value.stamp, time.monotonic())
         super().take(topic, value)
 
     def act(self) -> None:
@@ -83,6 +88,8 @@ class PlantNode(Shell):
                 self.now = value.stamp
                 self.gate.open(self.now)
                 self._opened = time.monotonic()
+                if not self.lockstep:
+                    self._punctuality.tick(self.now, self._opened)
 
     def poll(self) -> None:
         """Begin, and in real time move when it is time."""
@@ -129,6 +136,11 @@ class PlantNode(Shell):
         self.hand_over()
         self.publish(self._plant.step(self.now, missing))
         self._due = max(self._due + self._tick, time.monotonic() - self._tick)
+
+    def end(self) -> None:
+        """Print how punctual the modules were, for whoever writes a report."""
+        if not self.lockstep:
+            print(f'punctual {json.dumps(self._punctuality.figures())}', flush=True)
 
     def wait(self) -> float:
         """Return the time until the next move."""

@@ -17,7 +17,7 @@ from functools import partial
 from omni_vehicle_ros.bench import graph
 
 chains = partial(graph.bare_chain, True), partial(graph.our_graph, graph.SEVEN, True)
-print(json.dumps([graph.cycle_time(chain, 0.1) for chain in chains]))
+print(json.dumps([graph.cycle_time(chain, 0.1, {}) for chain in chains]))
 """
 
 
