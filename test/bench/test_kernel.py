@@ -50,7 +50,7 @@ def test_a_compiler_that_fails_is_one_line(monkeypatch):
     monkeypatch.setattr(c_step, 'OPTIONS', ('--no-such-option',))
     if c_step.shutil.which('cc') is None:
         pytest.skip('there is no C compiler')
-    with pytest.raises(RunError, match='fails on step.c: .*no-such-option'):
+    with pytest.raises(RunError, match=r'fails on step\.c: .*no-such-option'):
         c_step.compiled_step()
 
 
