@@ -13,7 +13,7 @@ import numpy as np
 
 from omni_vehicle_ros.model.batch_compiled import WIDTH, drive_kernel
 from omni_vehicle_ros.model.constants import Constants
-from omni_vehicle_ros.model.packing import STATE, packed_constants
+from omni_vehicle_ros.model.packing import STATE, listed_constants
 from omni_vehicle_ros.model.state import Vector
 
 RATES, WHEELS = 4, 4
@@ -63,7 +63,7 @@ def packed_batch(constants: Constants | list[Constants]) -> Vector:
         Of all vehicles, or of each; of one tyre model, one friction circle and one table of the wind for all.
     """
     vehicles = [constants] if isinstance(constants, Constants) else constants
-    return np.stack([packed_constants(vehicle) for vehicle in vehicles], axis=1)
+    return np.array([listed_constants(vehicle) for vehicle in vehicles], dtype=np.float64).T.copy()
 
 
 def advance_batch(

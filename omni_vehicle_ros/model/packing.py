@@ -6,6 +6,7 @@ The physics read one vehicle from vectors, by `entry`, or several lanes from the
 import functools
 import struct
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,16 @@ Write = Callable[[Vector, int, int, float], None]
 @functools.lru_cache(maxsize=8)
 def packed_constants(model: Constants) -> Vector:
     """Return all numbers of the constants in their order, as the kernels take them."""
-    return np.hstack(model).astype(np.float64)
+    return np.array(listed_constants(model), dtype=np.float64)
+
+
+def listed_constants(model: Constants) -> list[float]:
+    """Return all numbers of the constants in their order."""
+    fields: tuple[Any, ...] = model
+    numbers: list[float] = []
+    for field in fields:
+        numbers.extend(field if isinstance(field, tuple) else (field,))
+    return numbers
 
 
 def packed_request(

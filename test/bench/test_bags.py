@@ -19,3 +19,10 @@ def test_both_lines_are_of_one_measurement():
     rate, cost = result.lines
     assert rate.ours * cost.ours == pytest.approx(1e6)
     assert min(figure for line in result.lines for figure in (line.ours, line.limit)) > 0.0
+
+
+def test_without_the_other_decoder_its_line_says_so(monkeypatch):
+    monkeypatch.setattr(bags, 'find_spec', lambda name: None)
+    rate, cost = bags.bench(cycles=40, rounds=1).lines
+    assert (rate.limit, rate.met) == (None, None) and 'not installed' in rate.note
+    assert cost.met is not None

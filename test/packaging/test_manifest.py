@@ -14,7 +14,7 @@ ROSDEP_KEYS = {
     'pyyaml': 'python3-yaml', 'rosbags': 'python3-rosbags-pip', 'lz4': None, 'mcap': None, 'pyarrow': None,
     'zstandard': None,
 }
-IMPORT_NAMES = {'pyyaml': 'yaml', 'mcap-ros2-support': 'mcap_ros2'}
+IMPORT_NAMES = {'commonroad-vehicle-models': 'vehiclemodels', 'mcap-ros2-support': 'mcap_ros2', 'pyyaml': 'yaml'}
 # What is no node of a run.
 OTHER_EXECUTABLES = ('analyse', 'odom_transform', 'omni_vehicle', 'replay', 'vehicle')
 # Parts of ROS 2 that have no wheel: their users have a ROS installation.
@@ -81,7 +81,8 @@ def test_rosdep_keys_are_the_run_time_requirements(manifest, setup_arguments):
 
 
 def test_all_that_is_imported_is_declared(root, manifest, setup_arguments):
-    declared = run_time(setup_arguments) | set(setup_arguments['extras_require']['bench'])
+    extras = setup_arguments['extras_require']
+    declared = run_time(setup_arguments) | {*extras['bench'], *extras['peers']}
     python = {IMPORT_NAMES.get(name, name) for name in declared}
     assert imports(root) <= python | ros_packages(manifest)
 

@@ -59,8 +59,8 @@ def magic_force(
     demand_long, demand_lat = stiffness[0] * slip[0], stiffness[1] * slip[1]
     demand, limit = norm(demand_long, demand_lat), shape * capacity * rolling
     normalised = select(demand < LARGEST_DEMAND * limit, demand / positive(limit), LARGEST_DEMAND)
-    force = capacity * magic_share(normalised, shape, curvature) / positive(demand)
-    return force * demand_long, force * demand_lat
+    force, demand = capacity * magic_share(normalised, shape, curvature), positive(demand)
+    return force * (demand_long / demand), force * (demand_lat / demand)
 
 
 def full_stretch(shape: float, curvature: float) -> float:
