@@ -34,8 +34,6 @@ def cos_sin(angle: float) -> tuple[float, float]:
     angle
         Any; above `LARGEST_ANGLE` the library's functions are taken.
     """
-    if anywhere(abs(angle) > LARGEST_ANGLE):
-        return math.cos(angle), math.sin(angle)
     if not anywhere(abs(angle) > EIGHTH_TURN):
         return _cos_sin(angle)
     turns = (angle * QUARTER_TURNS + NEAREST) - NEAREST
@@ -44,10 +42,12 @@ def cos_sin(angle: float) -> tuple[float, float]:
     quarter = turns - 4.0 * ((0.25 * turns + NEAREST) - NEAREST)  # -2 .. 2
     odd = abs(quarter) == 1.0
     cos, sin = select(odd, sin, cos), select(odd, cos, sin)
-    return (
-        select((quarter > 0.5) | (quarter < -1.5), -cos, cos),
-        select((quarter > 1.5) | (quarter < -0.5), -sin, sin),
-    )
+    cos = select((quarter > 0.5) | (quarter < -1.5), -cos, cos)
+    sin = select((quarter > 1.5) | (quarter < -0.5), -sin, sin)
+    far = abs(angle) > LARGEST_ANGLE
+    if anywhere(far):
+        cos, sin = select(far, math.cos(angle), cos), select(far, math.sin(angle), sin)
+    return cos, sin
 
 
 def _cos_sin(x: float) -> tuple[float, float]:

@@ -95,7 +95,7 @@ def wind_force(wind: float, speed: float, constants: Constants) -> float:
         return 0.0 * wind
     coefficient = side_force_coefficient(math.atan2(abs(wind), abs(speed)), constants)
     pressure = 0.5 * constants.air_density * (speed * speed + wind * wind)
-    return math.copysign(pressure * coefficient * constants.side_area, wind)
+    return select(wind != 0.0, math.copysign(pressure * coefficient * constants.side_area, wind), 0.0)
 
 
 def wind_moment(force: float, constants: Constants) -> float:

@@ -12,7 +12,7 @@ from omni_vehicle_ros.model.constants import constants
 from omni_vehicle_ros.model.plant import advance
 from omni_vehicle_ros.parameters import TYRE_MODELS, VehicleParameters
 
-WIND = {'airflow_angles': (0.2, 0.6, 1.2), 'side_force_coefficients': (0.3, 0.8, 0.7)}
+WIND = {'airflow_angles': (0.0, 0.6, 1.2), 'side_force_coefficients': (0.3, 0.8, 0.7)}
 quiet = settings(deadline=None, max_examples=30, derandomize=True)
 
 
@@ -62,7 +62,8 @@ def test_each_vehicle_moves_as_it_would_alone(count, seed, tyre, circle, constan
 @pytest.mark.parametrize('threads', [1, 2, 3, 50])
 def test_neither_threads_nor_neighbours_change_anything(threads):
     states, inputs, rates, roads = fleet(83, 1)
-    model = packed_batch(constants(VehicleParameters()))
+    states[5, ::7] = 1e9  # so often turned that its cosine is that of the library
+    model = packed_batch(constants(VehicleParameters(**WIND)))
     whole = advance_batch(states, inputs, rates, roads, model, 20, 0.005, threads=threads)
     one_by_one = [
         advance_batch(*(part[:, number : number + 1] for part in (states, inputs, rates, roads)), model, 20, 0.005)
