@@ -206,7 +206,7 @@ def _element(context: Any, builder: ir.IRBuilder, kind: Any, value: ir.Value, ro
 def _load(typingctx: Any, numbers: types.Type, row: types.Type, column: types.Type) -> Any:
     def build(context: Any, builder: ir.IRBuilder, sig: Any, values: list[ir.Value]) -> Any:
         where = _element(context, builder, sig.args[0], *values)
-        return builder.load(builder.bitcast(where, VECTOR.as_pointer()), align=8, typ=VECTOR)
+        return builder.load(builder.bitcast(where, VECTOR.as_pointer()), align=8)
 
     return signature(LANES, numbers, types.intp, types.intp), build
 
