@@ -26,7 +26,8 @@ from omni_vehicle_ros.scenarios.scenario import Scenario, make_scenario
 
 SEVEN = tuple(role for role in NODES if role not in (DRIVER, RECORDER))
 PERIOD = SECOND // 200
-START_LIMIT = 30.0
+START_LIMIT, GROWTH_LIMIT = 30.0, 600.0
+GROWTH_NOTE = 'the index of the chunks of the file, which ends with the file: split_size'
 WARM_UP = SECOND
 """Simulated time from which on it counts: what is met for the first time has been met [ns]."""
 SPAN = 3.0
@@ -34,6 +35,11 @@ SPAN = 3.0
 ROUNDS = 3
 MEMORY = 120
 """What a node in a process of its own should stay below [MB]."""
+
+LONG = 10 * SECOND, 40 * SECOND
+"""Simulated times between which the growth of memory is measured [ns]."""
+
+Start = Callable[[str, Path], AbstractContextManager[Processes]]
 
 _numbers = count()
 
@@ -104,7 +110,7 @@ def bench(progress: Progress = lambda done: None, *, span: float = SPAN, rounds:
             memory = sizes[f'{name} {where}'] = {}
             works[f'{name} {where}'] = partial(cycle_time, start, span, memory)
     times = interleaved(works, progress, rounds)
-    return Result((*_lines(times), *_memory(sizes)), times[CALIBRATION])
+    return Result((*_lines(times), *_memory(sizes), _growth()), times[CALIBRATION])
 
 
 def _lines(times: Mapping[str, Time]) -> list[Line]:
@@ -169,9 +175,18 @@ def endless() -> Scenario:
     })
 
 
-def cycle_time(
-    start: Callable[[str, Path], AbstractContextManager[Processes]], span: float, memory: dict[str, int]
-) -> Time:
+def _growth() -> Line:
+    """Return how much memory a recorded run takes more with time; all nodes of it are in one process."""
+    with watched(partial(our_graph, NODES, True)) as (watch, processes):
+        times, sizes = [], []
+        for stamp in LONG:
+            times.append(watch.until(stamp, processes, GROWTH_LIMIT))
+            sizes.append(sum(processes.resident_sizes().values()))
+    rate = (sizes[1] - sizes[0]) / (times[1] - times[0]) * SECOND
+    return Line('memory of a recorded run grows by', 'MB per simulated hour', rate * 3600.0 / 1e6, note=GROWTH_NOTE)
+
+
+def cycle_time(start: Start, span: float, memory: dict[str, int]) -> Time:
     """Return the time of one control cycle: on the wall, and CPU time of all processes taken together.
 
     Parameters
@@ -183,14 +198,21 @@ def cycle_time(
     memory
         Gets the resident size of each process at the end [byte].
     """
+    with watched(start) as (watch, processes):
+        found = _measure(watch, processes, span)
+        memory.update(processes.resident_sizes())
+        return found
+
+
+@contextmanager
+def watched(start: Start) -> Iterator[tuple[Watch, Processes]]:
+    """Have nodes run in a namespace and a directory of their own for a ``with`` block, with a watch on their time."""
     namespace = f'/bench_{os.getpid()}_{next(_numbers)}'
     with tempfile.TemporaryDirectory() as folder:
         watch = Watch(namespace)
         try:
             with start(namespace, Path(folder)) as processes:
-                found = _measure(watch, processes, span)
-                memory.update(processes.resident_sizes())
-                return found
+                yield watch, processes
         finally:
             watch.close()
 

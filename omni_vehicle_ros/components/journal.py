@@ -46,7 +46,7 @@ class Journal:
         self._index = {row.name: i for i, row in enumerate(rows)}
         self._cyclic = [row.cyclic for row in rows]
         self._last: dict[int, int] = {}
-        self._pending: list[tuple[int, int, bytes | int, bytes]] = []
+        self._pending: dict[int, list[tuple[int, bytes | int, bytes]]] = {}
         for row, name in zip(rows, self._names, strict=True):
             writer.add_topic(name, row.type, row.qos)
 
@@ -62,8 +62,8 @@ class Journal:
         if self._cyclic[index]:
             self._count(index, stamp)
         # Many nodes speak on /diagnostics at the same time: there the text decides, else who came first.
-        order = data if topic == '/diagnostics' else len(self._pending)
-        self._pending.append((stamp, index, order, data))
+        waiting = self._pending.setdefault(stamp, [])
+        waiting.append((index, data if topic == '/diagnostics' else len(waiting), data))
 
     def _count(self, index: int, stamp: int) -> None:
         last = self._last.get(index, stamp - self.period)
@@ -80,11 +80,8 @@ class Journal:
 
     def _write(self, until: int | None) -> None:
         """Write what is stamped up to ``until`` [ns], in order."""
-        ready = sorted(entry for entry in self._pending if until is None or entry[0] <= until)
-        if until is not None:
-            self._pending = [entry for entry in self._pending if entry[0] > until]
-        else:
-            self._pending = []
-        for stamp, index, _, data in ready:
-            self._writer.write(self._names[index], data, stamp)
-        self.written += len(ready)
+        for stamp in sorted(stamp for stamp in self._pending if until is None or stamp <= until):
+            ready = sorted(self._pending.pop(stamp))
+            for index, _, data in ready:
+                self._writer.write(self._names[index], data, stamp)
+            self.written += len(ready)

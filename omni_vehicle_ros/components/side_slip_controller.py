@@ -7,7 +7,7 @@ from omni_vehicle_ros.control.trim import Sensed
 from omni_vehicle_ros.messages import Imu, Joints, Odometry, Twist, Value
 from omni_vehicle_ros.model import kinematics
 from omni_vehicle_ros.parameters import SideSlipParameters, VehicleParameters
-from omni_vehicle_ros.wheels import WHEELS, per_wheel
+from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 
 _NO_NUMBER = float('nan')
 
@@ -55,11 +55,8 @@ class SideSlipController:
             if joints is not None:
                 sensed = sensed._replace(steer_angle=joints.steer_angle, drive_torque=joints.torque)
         elif isinstance(value, Joints):
-            slip = dict(zip(value.names, value.position, strict=False))
-            speed = dict(zip(value.names, value.velocity, strict=False))
             sensed = sensed._replace(
-                side_slip=per_wheel(lambda i: slip.get(WHEELS[i], _NO_NUMBER)),
-                wheel_speed=per_wheel(lambda i: speed.get(WHEELS[i], _NO_NUMBER)),
+                side_slip=_by_wheel(value.names, value.position), wheel_speed=_by_wheel(value.names, value.velocity)
             )
         self._sensed = sensed
 
@@ -74,3 +71,10 @@ class SideSlipController:
             joints = module_joints(wheel, stamp, (trims.steer_angle[i], 0.0), (0.0, trims.torque[i]))
             outputs.append(Output(f'{wheel}/trim', joints))
         return outputs
+
+
+def _by_wheel(names: tuple[str, ...], numbers: tuple[float, ...]) -> PerWheel:
+    if names == WHEELS and len(numbers) == 4:
+        return numbers
+    found = dict(zip(names, numbers, strict=False))
+    return per_wheel(lambda i: found.get(WHEELS[i], _NO_NUMBER))
