@@ -20,8 +20,10 @@ from omni_vehicle_ros.nodes.ports import message_class, publisher_profile
 from omni_vehicle_ros.nodes.process import run
 
 PERIOD = SECOND // 200
-RESEND = 0.5
+RESEND = 1.0
 """Standstill after which the plant says again what it said last: at the start not all are connected [s]."""
+BEAT = 'joint_states'
+"""What is answered again when it is said again."""
 
 
 class BareNode(Node):  # type: ignore[misc]
@@ -43,6 +45,7 @@ class BareNode(Node):  # type: ignore[misc]
         self.finished = False
         self._ahead = PERIOD if role == PLANT else 0
         self._said = self._looked_at = 0
+        self._answered = -1
         rows = [row for row in TOPICS if row.cyclic and row.name != '/clock']
         inputs = [row for row in rows if role in row.subscribers and {*row.publishers} & {*nodes}]
         self._came = {row.name: -1 for row in inputs}
@@ -66,7 +69,8 @@ class BareNode(Node):  # type: ignore[misc]
         time = stamp.sec * SECOND + stamp.nanosec
         came = self._came
         came[topic] = max(time, came[topic])
-        if all(one == time for one in came.values()):
+        if all(one == time for one in came.values()) and (time > self._answered or topic == BEAT):
+            self._answered = time
             self._answer(time + self._ahead)
 
     def _answer(self, time: int) -> None:
