@@ -61,7 +61,7 @@ class Punctuality:
     Attributes
     ----------
     cycles
-        Counted so far.
+        Counted so far, with those that had no tick.
     missed
         Those of them whose next tick came before all had answered, and ticks that did not come at all.
     """
@@ -79,9 +79,9 @@ class Punctuality:
     def tick(self, stamp: int, wall: float) -> None:
         """Note that the cycle of ``stamp`` [ns] begins at ``wall`` [s]."""
         if self._ticks and (self.cycles or not self._awaited):
-            self.cycles += 1
-            skipped = int((wall - self._last) / self._period - 0.5)
-            self.missed += bool(self._awaited) + max(skipped, 0)
+            skipped = max(int((wall - self._last) / self._period - 0.5), 0)
+            self.cycles += 1 + skipped
+            self.missed += bool(self._awaited) + skipped
         self._ticks[stamp] = self.cycles, wall
         if len(self._ticks) > PERIODS:
             del self._ticks[next(iter(self._ticks))]
