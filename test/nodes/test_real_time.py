@@ -24,7 +24,7 @@ def test_punctuality_cpu_time_and_memory_are_in_metrics_and_report(lab: Lab) -> 
     finish(lab.command('run', scenario, '--pacing', 'realtime', '--out', 'run'))
     found = json.loads((lab.path / 'run' / 'metrics.json').read_text())['real_time']
     assert found['period'] == 0.005
-    assert 0 < found['cycles'] <= 400
+    assert 0 <= found['missed'] <= found['cycles'] > 0
     assert 0.0 < found['answer']['p50'] <= found['answer']['p99'] <= found['answer']['largest']
     assert set(found['cpu']) == set(found['memory']) == set(NODES)
     assert all(0.0 <= share < 2.0 for share in found['cpu'].values())
