@@ -8,7 +8,6 @@ from typing import NamedTuple
 from omni_vehicle_ros.bags.columns.columns import Columns
 from omni_vehicle_ros.bags.columns.kernel import compiled_walk
 from omni_vehicle_ros.bags.columns.lanes import Lanes, Topic
-from omni_vehicle_ros.bags.columns.read_ahead import read_ahead
 from omni_vehicle_ros.bags.mcap.file_reader import McapFileReader
 from omni_vehicle_ros.bags.mcap.records import CHANNEL, RECORD, DamageError
 from omni_vehicle_ros.bags.mcap.stream import MessageStream, read_messages
@@ -156,7 +155,7 @@ class BlockReader:
         given = self._taken
         self._lanes.forget_channels()
         try:
-            for piece in read_ahead(reader.pieces()) if self._lanes.compiled else reader.pieces():
+            for piece in reader.pieces():
                 for _ in self._take(reader, piece):
                     yield self._taken - given, None
                     given = self._taken

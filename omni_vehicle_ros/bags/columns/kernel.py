@@ -24,7 +24,7 @@ def compiled_walk() -> Walk | None:
     try:
         from numba import config, njit
 
-        return None if config.DISABLE_JIT else njit(cache=True, nogil=True)(walk)
+        return None if config.DISABLE_JIT else njit(cache=True)(walk)
     except (ImportError, RuntimeError):  # RuntimeError: no place for the cache
         return None
 

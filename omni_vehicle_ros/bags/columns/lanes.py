@@ -1,6 +1,5 @@
 """The numbers of messages, stored by topic and layout until there are enough of them for columns."""
 
-from array import array
 from typing import Any
 
 import numpy as np
@@ -56,7 +55,6 @@ class Lanes:
         self._walk = walk
         self._capacity = capacity
         self.topics: list[Topic] = []
-        self.topic_of = array('i')
         self.forget_channels()
         self.counts = np.empty((0, 3), np.int64)
         self._lanes = np.empty((0, 8), np.int64)
@@ -65,14 +63,9 @@ class Lanes:
         self._stored = 0
         self.odd_bytes = 0
 
-    @property
-    def compiled(self) -> bool:
-        """Whether there is a loop over messages."""
-        return self._walk is not None
-
     def forget_channels(self) -> None:
         """Let no channel have a topic, as at the begin of a file."""
-        self.topic_of = array('i', [-1]) * CHANNELS
+        self.topic_of = np.full(CHANNELS, -1, np.int32)
 
     def add_topic(self, topic: Topic) -> int:
         """Return the number of a new topic."""
@@ -85,7 +78,7 @@ class Lanes:
         if self._walk is None or len(piece) < 8:
             return position
         return self._walk(
-            words_of(piece), position, len(piece), np.frombuffer(self.topic_of, np.int32), self.counts, self._lanes,
+            words_of(piece), position, len(piece), self.topic_of, self.counts, self._lanes,
             *self._words, self._store, self._capacity,
         )
 

@@ -1,9 +1,9 @@
 """Small records of an MCAP file that may be damaged: schemas, channels, statistics, metadata."""
 
 import struct
-import zlib
 from typing import NamedTuple
 
+from omni_vehicle_ros.bags.mcap.checksum import crc32
 from omni_vehicle_ros.bags.mcap.records import DamageError
 
 LARGEST_SCHEMAS = 2**26
@@ -149,7 +149,7 @@ def read_attachment(content: bytes) -> Attachment:
     log_time, create_time = fields.numbers('QQ')
     attachment = Attachment(log_time, create_time, fields.text(), fields.text(), fields.data('Q'))
     (checksum,) = fields.numbers('I')
-    if not fields.ended or (checksum and zlib.crc32(content[:-4]) != checksum):
+    if not fields.ended or (checksum and crc32(content[:-4]) != checksum):
         raise DamageError('an attachment does not match its checksum')
     return attachment
 

@@ -1,13 +1,13 @@
 """One MCAP file: what its chunks hold, and what its channels say."""
 
 import struct
-import zlib
 from collections.abc import Iterator
 from typing import IO, NamedTuple
 
 import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 
+from omni_vehicle_ros.bags.mcap.checksum import crc32
 from omni_vehicle_ros.bags.mcap.records import (
     CHANNEL,
     CHUNK,
@@ -160,7 +160,7 @@ class McapFileReader:
         if size > LARGEST_CHUNK or len(compressed) < length:
             raise DamageError(f'a chunk claims {length} bytes for {size}')
         records = self._decompress(compression, compressed, size)
-        if len(records) != size or (checksum and zlib.crc32(records) != checksum):
+        if len(records) != size or (checksum and crc32(records) != checksum):
             raise DamageError('a chunk does not match its checksum')
         return records
 

@@ -14,6 +14,8 @@ FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 2, 3, 4, 5, 6
 RECORD = struct.Struct('<BQ')
 """Kind and length of a record, before its content."""
 
+_unpack, _HEADER = RECORD.unpack_from, RECORD.size
+
 _WINDOW = 2**18
 
 
@@ -58,18 +60,19 @@ class RecordFile:
     def next(self, kinds: Collection[int]) -> tuple[int, memoryview]:
         """Return kind and content of the next record of one of some kinds, and go on behind it."""
         window, begin = self._window, self._begin
-        offset = self.position - begin
+        offset, last = self.position - begin, len(window) - RECORD.size
         kind = 0
         while kind not in kinds:
-            if not 0 <= offset <= len(window) - RECORD.size:
+            if not 0 <= offset <= last:
                 self._read(begin + offset, RECORD.size)
                 window, begin, offset = self._window, self._begin, begin + offset - self._begin
-            kind, length = RECORD.unpack_from(window, offset)
+                last = len(window) - RECORD.size
+            kind, length = _unpack(window, offset)
             if not kind:
                 raise DamageError(f'byte {begin + offset} does not begin a record')
-            offset += RECORD.size + length
-            if begin + offset > self._size:
-                raise self.broken_off()
+            offset += _HEADER + length
+        if begin + offset > self._size:
+            raise self.broken_off()
         self.position = begin + offset
         if length > LARGEST_CHUNK:
             raise DamageError(f'a record claims {length} bytes, more than {LARGEST_CHUNK}')

@@ -3,13 +3,13 @@
 import io
 import os
 import struct
-import zlib
 from collections.abc import Iterator
 from typing import IO, NamedTuple, cast
 
 import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 
+from omni_vehicle_ros.bags.mcap.checksum import crc32
 from omni_vehicle_ros.bags.mcap.records import CHANNEL, LARGEST_CHUNK, MESSAGE, RECORD, SCHEMA, DamageError
 
 LARGEST_RECORD = 2**28
@@ -86,7 +86,7 @@ def check_chunk(file: IO[bytes], chunk: Chunk) -> int:
     try:
         while piece := stream.read(min(_PIECE, chunk.size + 1 - size)):
             size += len(piece)
-            checksum = zlib.crc32(piece, checksum)
+            checksum = crc32(piece, checksum)
     except _ERRORS as error:
         raise DamageError(f'a chunk can not be decompressed: {error}') from error
     if size != chunk.size or (chunk.checksum and checksum != chunk.checksum):

@@ -2,11 +2,11 @@
 
 import os
 import struct
-import zlib
 from collections import Counter
 from collections.abc import Iterator
 from typing import IO, NamedTuple
 
+from omni_vehicle_ros.bags.mcap.checksum import crc32
 from omni_vehicle_ros.bags.mcap.definitions import (
     Attachment,
     Definitions,
@@ -206,7 +206,7 @@ class Salvage:
     def _checksum(self, begin: int, end: int) -> int:
         checksum = 0
         for position in range(begin, end, _PIECE):
-            checksum = zlib.crc32(os.pread(self._file.fileno(), min(_PIECE, end - position), position), checksum)
+            checksum = crc32(os.pread(self._file.fileno(), min(_PIECE, end - position), position), checksum)
         return checksum
 
     def _read_summary(self) -> Statistics | None:
@@ -218,7 +218,7 @@ class Salvage:
         opcode, length, position, _, checksum = _FOOTER.unpack_from(last)
         if (opcode, length) != (FOOTER, _FOOTER.size - RECORD.size) or not 0 < position <= size - _LAST:
             return None
-        if checksum and zlib.crc32(last[: _FOOTER.size - 4], self._checksum(position, size - _LAST)) != checksum:
+        if checksum and crc32(last[: _FOOTER.size - 4], self._checksum(position, size - _LAST)) != checksum:
             self.source.note('the summary does not match its checksum')
             return None
         return self._summary_records(position, size - _LAST)
@@ -279,7 +279,7 @@ class _ChunkIndex:
         first, last = self.times or (log_time, log_time)
         self.times = min(first, log_time), max(last, log_time)
         self._given += 1
-        self._sums[channel] += zlib.crc32(_ENTRY.pack(log_time, place))
+        self._sums[channel] += crc32(_ENTRY.pack(log_time, place))
 
     def compare(self, content: bytes) -> None:
         """Compare with an index.
@@ -296,5 +296,5 @@ class _ChunkIndex:
             raise DamageError('an index makes no sense')
         self._told += len(entries) // _ENTRY.size
         places = range(0, len(entries), _ENTRY.size)
-        if self._given and self._sums[channel] != sum(zlib.crc32(entries[at : at + _ENTRY.size]) for at in places):
+        if self._given and self._sums[channel] != sum(crc32(entries[at : at + _ENTRY.size]) for at in places):
             raise DamageError('an index is not that of its chunk')
