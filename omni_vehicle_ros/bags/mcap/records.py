@@ -71,10 +71,8 @@ class RecordFile:
             if not kind:
                 raise DamageError(f'byte {begin + offset} does not begin a record')
             offset += _HEADER + length
-        if begin + offset > self._size:
-            raise self.broken_off()
         self.position = begin + offset
-        if length > LARGEST_CHUNK:
+        if self.position <= self._size and length > LARGEST_CHUNK:
             raise DamageError(f'a record claims {length} bytes, more than {LARGEST_CHUNK}')
         return kind, self._read(self.position - length, length)
 
@@ -83,6 +81,8 @@ class RecordFile:
         return DamageError(f'the file ends after {self._size} bytes, in the middle')
 
     def _read(self, position: int, length: int) -> memoryview:
+        if position + length > self._size:
+            raise self.broken_off()
         offset = position - self._begin
         if not 0 <= offset <= len(self._window) - length:
             self._window = os.pread(self._descriptor, max(length, _WINDOW), position)
