@@ -11,8 +11,8 @@ from omni_vehicle_ros.thesis.figure import ThesisFigure
 from omni_vehicle_ros.thesis.files import Shown, draw
 from omni_vehicle_ros.thesis.pages import Judged, claims_data, claims_page, index_page, judge
 from omni_vehicle_ros.thesis.registry import FIGURES, chosen
-from omni_vehicle_ros.thesis.tasks import Results, Task
-from omni_vehicle_ros.thesis.workers import Workers
+from omni_vehicle_ros.thesis.tasks import Results, Task, results
+from omni_vehicle_ros.workers import Workers
 
 PICTURES = 'figures'
 
@@ -64,10 +64,10 @@ class Reproduction:
         counter = _Counter(progress)
         pictures = directory / PICTURES
         with new_directory(directory), new_directory(pictures), Workers() as workers:
-            results = workers.results(self._tasks, counter)
-            jobs = {entry.number: (entry.number, _part(results, entry), pictures) for entry in self._figures}
+            found = results(workers, self._tasks, counter)
+            jobs = {entry.number: (entry.number, _part(found, entry), pictures) for entry in self._figures}
             shown = workers.each(jobs, _draw, counter)
-            judged = judge(results) if self._claims else None
+            judged = judge(found) if self._claims else None
             (directory / 'index.html').write_text(index_page(shown, judged), encoding='utf-8')
             if judged is not None:
                 (directory / 'claims.md').write_text(claims_page(judged), encoding='utf-8')
@@ -93,11 +93,11 @@ def claim_tasks() -> Tasks:
 def judge_claims() -> Judged:
     """Judge the claims without any figure."""
     with Workers() as workers:
-        return judge(workers.results(claim_tasks(), lambda: None))
+        return judge(results(workers, claim_tasks()))
 
 
-def _part(results: Results, figure: ThesisFigure) -> Results:
-    return Results({task: results[task] for task in figure.needs})
+def _part(found: Results, figure: ThesisFigure) -> Results:
+    return Results({task: found[task] for task in figure.needs})
 
 
 def _draw(number: str, results: Results, directory: Path) -> Shown:

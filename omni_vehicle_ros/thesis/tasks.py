@@ -3,7 +3,7 @@
 A task is a value: two figures that need the same one name equal tasks, and it is done once, in any process.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
@@ -13,6 +13,7 @@ from omni_vehicle_ros.analysis.metrics import compute_metrics
 from omni_vehicle_ros.analysis.signals import Array, StepMetrics, step_metrics
 from omni_vehicle_ros.scenarios import Scenario, load_scenario
 from omni_vehicle_ros.simulation import record
+from omni_vehicle_ros.workers import Done, Workers
 
 FOLDER = 'thesis'
 FLOOR = 1e-7  # rad, far below the slips that a light wind makes
@@ -36,6 +37,21 @@ class Results:
     def __getitem__(self, task: Task[T]) -> T:
         """Return the result of a task; KeyError if nobody said that it is needed."""
         return self._found[task]  # type: ignore[no-any-return]
+
+
+def results(workers: Workers, tasks: Sequence[Task[Any]], done: Done = lambda: None) -> Results:
+    """Do tasks, each once; ``done`` is called after each.
+
+    Raises
+    ------
+    RunError
+        A worker ended before its time.
+    """
+    return Results(workers.each({task: (task,) for task in tasks}, _work, done))
+
+
+def _work(task: Task[T]) -> T:
+    return task.work()
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ import pytest
 from omni_vehicle_ros.thesis.bounds import SlipBound
 from omni_vehicle_ros.thesis.controllers_page import TASKS, write_controllers_page
 from omni_vehicle_ros.thesis.manoeuvres import CONTROLLERS, MANOEUVRES, Judgement, Trial
-from omni_vehicle_ros.thesis.tasks import Results
+from omni_vehicle_ros.thesis.tasks import Results, results
 from omni_vehicle_ros.thesis.trade_off import RADIUS, SPEED
-from omni_vehicle_ros.thesis.workers import Workers
+from omni_vehicle_ros.workers import Workers
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs' / 'controllers.md'
 pytestmark = pytest.mark.slow
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope='module')
 def results() -> Results:
     with Workers() as workers:
-        return workers.results(TASKS, lambda: None)
+        return results(workers, TASKS)
 
 
 def judgements(results: Results, manoeuvre: int) -> dict[str, Judgement]:

@@ -8,7 +8,7 @@ import pytest
 
 from omni_vehicle_ros.errors import RunError, ScenarioError
 from omni_vehicle_ros.scenarios import load_scenario
-from omni_vehicle_ros.thesis.workers import Workers
+from omni_vehicle_ros.workers import Workers
 
 
 def test_each_result_has_its_key() -> None:

@@ -4,8 +4,9 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from itertools import islice
 from multiprocessing import connection, resource_tracker
 from multiprocessing.connection import Connection
 from types import TracebackType
@@ -14,7 +15,6 @@ from typing import Any, TypeVar
 from omni_vehicle_ros.ending import Uninterrupted, hold_signals, release_signals
 from omni_vehicle_ros.errors import OmniVehicleError, RunError
 from omni_vehicle_ros.model.warm import warm
-from omni_vehicle_ros.thesis.tasks import Results, Task
 
 K = TypeVar('K')
 T = TypeVar('T')
@@ -32,10 +32,15 @@ class Workers:
 
     Nothing is shared that one of them could take with it: a pool of the standard library can wait for ever on a queue
     whose reader was killed (github.com/python/cpython/issues/94777, not mended in Python 3.10).
+
+    Parameters
+    ----------
+    prepare
+        Called here first: compiles what they need, or each of them would where nobody has done it yet.
     """
 
-    def __init__(self) -> None:
-        warm()  # or each of them would compile the physics where nobody has done it yet
+    def __init__(self, prepare: Callable[[], None] = warm) -> None:
+        prepare()
         self._processes: list[multiprocessing.process.BaseProcess] = []
         self._pipes: list[Connection] = []
 
@@ -52,23 +57,6 @@ class Workers:
         for process in self._processes:
             process.join()
 
-    def results(self, tasks: Sequence[Task[Any]], done: Done) -> Results:
-        """Do tasks.
-
-        Parameters
-        ----------
-        tasks
-            Each once.
-        done
-            Called after each.
-
-        Raises
-        ------
-        RunError
-            A worker ended before its time.
-        """
-        return Results(self.each({task: (task,) for task in tasks}, _work, done))
-
     def each(self, jobs: Mapping[K, tuple[Any, ...]], job: Callable[..., T], done: Done) -> dict[K, T]:
         """Call a function with each of several lists of arguments, and return what it returns by their keys.
 
@@ -77,23 +65,31 @@ class Workers:
         OmniVehicleError
             The function raised it; or, as a `RunError`, a worker ended before its time.
         """
+        found: dict[K, T] = {}
+        for key, result in self.as_done(jobs.items(), job):
+            found[key] = result
+            done()
+        return {key: found[key] for key in jobs}
+
+    def as_done(
+        self, jobs: Iterable[tuple[K, tuple[Any, ...]]], job: Callable[..., T]
+    ) -> Iterator[tuple[K, T]]:
+        """Do as `each`, with jobs that are asked for when a worker is free; yield each result as it comes."""
         if not self._pipes:
             self._start()
-        waiting, idle = list(jobs.items())[::-1], list(self._pipes)
+        waiting, idle = iter(jobs), list(self._pipes)
         busy: dict[Connection, K] = {}
-        found: dict[K, T] = {}
-        while waiting or busy:
-            while waiting and idle:
-                key, arguments = waiting.pop()
+        while True:
+            for key, arguments in islice(waiting, len(idle)):
                 pipe = idle.pop()
                 _send(pipe, (job, arguments))
                 busy[pipe] = key
+            if not busy:
+                return
             ready = connection.wait(list(busy))
             for pipe in [pipe for pipe in busy if pipe in ready]:
-                found[busy.pop(pipe)] = _receive(pipe)
                 idle.append(pipe)
-                done()
-        return {key: found[key] for key in jobs}
+                yield busy.pop(pipe), _receive(pipe)
 
     def _start(self) -> None:
         spawn = multiprocessing.get_context('spawn')
@@ -126,10 +122,6 @@ def _receive(pipe: Connection) -> Any:
 
 def _worker_lost() -> RunError:
     return RunError('a worker process ended before its time: it was killed, or there is not memory enough')
-
-
-def _work(task: Task[T]) -> T:
-    return task.work()
 
 
 def _serve(pipe: Connection) -> None:
