@@ -37,7 +37,7 @@ setup(
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
     package_data={
         f'{PACKAGE}.bench': ['step.c'],
-        **{f'{PACKAGE}.{page}': ['templates/*.j2'] for page in ('analysis', 'thesis')},
+        **{f'{PACKAGE}.{page}': ['templates/*.j2'] for page in ('analysis', 'sweep', 'thesis')},
     },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),

@@ -280,6 +280,49 @@ def draw_map(
 
 
 @app.command()
+def sweep(
+    scenario: Annotated[str, typer.Argument(help='Name of a scenario, or a YAML file.')],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            '--vary', metavar='NAME=VALUES',
+            help='What to vary: START:STOP:COUNT, A,B,C, or a distribution such as normal(0.8,0.05); may be given '
+            "again. Default: the scenario's own.",
+        ),
+    ] = None,
+    settings: Settings = None,
+    samples: Annotated[
+        int | None, typer.Option('--samples', metavar='N', help='How often to draw from the distributions.')
+    ] = None,
+    sampling: Annotated[str, typer.Option('--sampling', help='One of: random, latin.')] = 'random',
+    seed: Annotated[int, typer.Option('--seed', help='The same seed draws the same samples.', min=0)] = 0,
+    scheduler: Annotated[
+        str | None,
+        typer.Option('--scheduler', metavar='ADDRESS', help='Dask scheduler whose workers drive. Default: all cores here.'),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            '--out', metavar='DIR',
+            help='Directory for the results; the same command goes on with what is there. Default: runs/sweep-<date>.',
+        ),
+    ] = None,
+) -> None:
+    """Drive a scenario for every combination of values, or for many samples; leave table, maps and page in DIR."""
+    from omni_vehicle_ros.console import ProgressBar
+    from omni_vehicle_ros.sweep.command import sweep as sweep_study
+    from omni_vehicle_ros.sweep.study import SAMPLINGS, read_study
+
+    choose('--sampling', sampling, SAMPLINGS)
+    study = read_study(scenario, vary or [], settings or [], samples, sampling, seed)
+    directory = out or Path('runs') / f'sweep-{time.strftime("%Y%m%d-%H%M%S")}'
+    with ProgressBar('sweep', study.turns, 'turns') as bar:
+        found = sweep_study(study, directory, scheduler, bar.advance)
+    print(f'{found.driven} turns in {found.wall:.1f} s, {study.turns - found.driven} were there')
+    print(f'table   {found.table}\npage    {found.page}')
+
+
+@app.command()
 def repair(
     bag: Annotated[Path, typer.Argument(help='Bag directory, or one MCAP file; it is not touched.')],
     out: Annotated[

@@ -75,6 +75,11 @@ class Study:
         """How many chunks there are."""
         return -(-self.turns // self.chunk)
 
+    @property
+    def summary(self) -> str:
+        """First line of the scenario's description."""
+        return str(self.tree.get('description', '')).partition('\n')[0]
+
     def numbers(self, chunk: int) -> range:
         """Return the numbers of the turns of a chunk."""
         return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.turns))
