@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _SHADES = {
-    'settled': 'Greys_r', 'side_slip': 'YlOrRd', 'path_radius': 'viridis', 'lateral_acceleration': 'viridis',
+    'settled': 'BuGn', 'side_slip': 'YlOrRd', 'path_radius': 'viridis', 'lateral_acceleration': 'viridis',
     'friction_use': 'YlOrRd', 'load': 'viridis',
 }  # fmt: skip
 _SLIPS = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0)
@@ -25,7 +25,7 @@ _USES = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 _SHARES = (0.0, 10.0, 25.0, 50.0, 75.0, 90.0, 100.0)
 _TICKS = {'side_slip': _SLIPS, 'friction_use': _USES, 'settled': _SHARES}
 _STEPS = 10
-_HALF = 50.0  # %
+_NOTHING = '#eceff2'
 
 
 def write_pictures(found: Cells, title: str, directory: Path) -> tuple[Path, ...]:
@@ -77,12 +77,17 @@ def _map(axes: 'Axes', found: Cells, name: str, quantity: Quantity) -> None:
     x, y = found.axes
     values = np.ma.masked_invalid(found.mean[name])
     levels = _levels(name, values)
-    norm = BoundaryNorm(levels, 256, extend='neither' if name == 'settled' else 'both')
+    norm = BoundaryNorm(levels, 256, extend=_extent(name, levels[0]))
     drawn = axes.pcolormesh(x.edges, y.edges, values, norm=norm, cmap=_SHADES[name], rasterized=True, linewidth=0.0)
     axes.figure.colorbar(drawn, ax=axes, label=f'[{quantity.unit}]', ticks=levels, pad=0.02, format='%g')
-    _hatch(axes, found, name)
+    axes.patch.set(facecolor=_NOTHING, hatch='////', edgecolor=MUTED, linewidth=0.0)
     axes.set_ylabel(label(y.axis))
     axes.grid(False)
+
+
+def _extent(name: str, lowest: float) -> str:
+    """Return beyond which ends of a scale there may be values: sizes and shares begin at 0."""
+    return 'neither' if name == 'settled' else 'max' if lowest == 0.0 else 'both'
 
 
 def _levels(name: str, values: Vector) -> tuple[float, ...]:
@@ -91,14 +96,3 @@ def _levels(name: str, values: Vector) -> tuple[float, ...]:
     known = np.ma.compressed(values) if np.ma.isMaskedArray(values) else values
     low, high = np.quantile(known, (0.02, 0.98)) if len(known) else (0.0, 1.0)
     return tuple(MaxNLocator(_STEPS, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high).tolist())
-
-
-def _hatch(axes: 'Axes', found: Cells, name: str) -> None:
-    """Hatch the cells in which fewer than half of the turns settle, and outline them."""
-    if name == 'settled':
-        return
-    unsettled = np.where(np.nan_to_num(found.mean['settled'], nan=100.0) < _HALF, 1.0, np.nan)
-    if np.all(np.isnan(unsettled)):
-        return
-    x, y = found.axes
-    axes.pcolor(x.edges, y.edges, np.ma.masked_invalid(unsettled), hatch='////', alpha=0.0, edgecolor=MUTED, linewidth=0.0)
