@@ -7,10 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from omni_vehicle_ros.analysis.signals import WINDOW as LAST_TIME
-from omni_vehicle_ros.model.batch import STATE, packed_batch
+from omni_vehicle_ros.model.batch import packed_batch
+from omni_vehicle_ros.model.batch_compiled import WIDTH
+from omni_vehicle_ros.model.packing import STATE
 from omni_vehicle_ros.model.state import Vector
 from omni_vehicle_ros.sweep.open_loop import OpenLoop
-from omni_vehicle_ros.sweep.watch import LEAST_LOAD, ROWS, SIGNALS, WIDTH, WINDOW, watch_kernel
+from omni_vehicle_ros.sweep.watch import LEAST_LOAD, ROWS, SIGNALS, WINDOW, watch_kernel
 
 _ANGLES, _GAINS, _ROAD, _RATES = STATE, STATE + 8, STATE + 12, STATE + 18
 _REQUEST = STATE + 22

@@ -9,8 +9,8 @@ import numpy as np
 from omni_vehicle_ros.analysis.metrics import REST, SPEED_FLOOR, YAW_RATE_FLOOR
 from omni_vehicle_ros.analysis.signals import BAND
 from omni_vehicle_ros.errors import ScenarioError
-from omni_vehicle_ros.model.batch import STATE
 from omni_vehicle_ros.model.constants import DUGOFF
+from omni_vehicle_ros.model.packing import STATE
 from omni_vehicle_ros.model.state import Vector
 from omni_vehicle_ros.model.tyres.friction_circle import lateral_capacity
 from omni_vehicle_ros.model.tyres.region import DEPARTURE, Region, region

@@ -8,20 +8,13 @@ from collections.abc import Callable
 
 from omni_vehicle_ros.model import dynamics, integrate
 from omni_vehicle_ros.model.arithmetic import cos_sin, norm, positive
-from omni_vehicle_ros.model.batch import STATE, WATCHED
-from omni_vehicle_ros.model.batch_compiled import WIDTH, store_evaluation, store_state
-from omni_vehicle_ros.model.compiled import (
-    BRANCHES,
-    LEAVES,
-    advance_kernel,
-    compile_kernels,
-    request_rates,
-    unpacked_constants,
-    unpacked_request,
-)
+from omni_vehicle_ros.model.batch import WATCHED
+from omni_vehicle_ros.model.batch_compiled import store_evaluation
+from omni_vehicle_ros.model.compiled import BRANCHES, LEAVES, advance_kernel, compile_kernels
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation
 from omni_vehicle_ros.model.lanes import load, select, store
+from omni_vehicle_ros.model.packing import STATE, request_rates, unpacked_constants, unpacked_request, write_state
 from omni_vehicle_ros.model.state import State, Vector
 from omni_vehicle_ros.model.tyres.force import side_force
 from omni_vehicle_ros.model.tyres.friction_circle import lateral_capacity
@@ -115,7 +108,7 @@ def kernels(source: str) -> tuple[WatchKernel]:
                 keep_extremes(found, column, now, road, seen, model)
                 if at_the_end:
                     keep_signals(found, column, now, seen)
-            store_state(found, column, now)
+            write_state(store, found, column, now)
 
     return (watch,)
 
