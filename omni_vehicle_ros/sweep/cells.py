@@ -127,8 +127,9 @@ def cells(study: Study, table: Path) -> Cells:
             flags[flag] += int(np.count_nonzero(columns[flag]))
     with np.errstate(invalid='ignore', divide='ignore'):
         mean = {name: (sums[name] / used[name]).reshape(shape) for name in QUANTITIES}
-    bounds = [{name: np.where(used[name] > 0, end[name], np.nan).reshape(shape) for name in QUANTITIES} for end in (low, high)]
-    return Cells(axes, counts.reshape(shape), mean, bounds[0], bounds[1], flags)
+    for end in (low, high):
+        end.update({name: np.where(used[name] > 0, end[name], np.nan).reshape(shape) for name in QUANTITIES})
+    return Cells(axes, counts.reshape(shape), mean, low, high, flags)
 
 
 def _numeric(axis: Axis) -> bool:

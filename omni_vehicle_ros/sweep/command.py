@@ -9,6 +9,7 @@ from typing import NamedTuple
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.sweep.parts import Parts
 from omni_vehicle_ros.sweep.study import Study
+from omni_vehicle_ros.sweep.turns import turn
 from omni_vehicle_ros.sweep.work import on_cluster, on_this_machine
 
 PAGE = 'index.html'
@@ -54,6 +55,8 @@ def sweep(study: Study, directory: Path, scheduler: str | None = None, progress:
     OmniVehicleError
         The directory holds something else, a turn can't be, a worker was lost, or the system refuses to write.
     """
+    for point in study.corners:
+        turn(study, point)
     parts = Parts(directory, study)
     missing = parts.missing
     driven = sum(len(study.numbers(number)) for number in missing)

@@ -69,7 +69,7 @@ class OpenLoop(NamedTuple):
 
 
 def why_closed(scenario: Scenario) -> str | None:
-    """Return what in a scenario needs feedback, or other physics than those of the plane, and the remedy; or None.
+    """Return what in a scenario needs feedback, or other physics than those in the plane, and the remedy; or None.
 
     Raises
     ------
@@ -78,21 +78,21 @@ def why_closed(scenario: Scenario) -> str | None:
     """
     steering, moving = scenario.steering, not scenario.plant.constant_speed
     if scenario.vehicle.body_model != 'yaw_plane':
-        return f'vehicle.body_model is {scenario.vehicle.body_model}; yaw_plane can'
+        return f'its body is {scenario.vehicle.body_model}; --set vehicle.body_model=yaw_plane'
     if not scenario.wheel_module.ideal_actuators:
-        return 'its actuators lag; with wheel_module.ideal_actuators=true it can'
+        return 'its actuators lag; --set wheel_module.ideal_actuators=true'
     if scenario.side_slip_control and exact_gains(scenario) is None:
-        return f'side_slip.controller is {scenario.side_slip.controller}; wheel_slip can'
+        return f'{scenario.side_slip.controller} control has a past; --set side_slip.controller=wheel_slip'
     if steering.motion_rate_limit > 0.0 and steering.alignment_slowdown:
-        return 'the vehicle waits for its wheels; with steering.alignment_slowdown=false it can'
+        return 'it waits for its wheels; --set steering.alignment_slowdown=false'
     if 0.0 < steering.command_timeout < scenario.command_period:
-        return 'commands grow stale; with steering.command_timeout above command_period it can'
+        return 'its commands grow stale; --set steering.command_timeout=0'
     if moving and any(command.traction is None or command.traction < 0.0 for command in scenario.commands):
-        return 'its speed is controlled, or it brakes; with plant.constant_speed=true it can'
+        return 'its speed is controlled, or it brakes; --set plant.constant_speed=true'
     if moving and scenario.side_slip_control and any(command.yaw_moment for command in scenario.commands):
-        return 'its yaw moment follows the wheels; with side_slip_control=false it can'
+        return 'its yaw moment follows the wheels; --set side_slip_control=false'
     if steering.motion_rate_limit > 0.0 and any(command.icr is command.cmd_vel for command in scenario.commands):
-        return 'its driver falls silent on the way; with steering.motion_rate_limit=0 it can'
+        return 'its driver falls silent on the way; --set steering.motion_rate_limit=0'
     return None
 
 
@@ -156,9 +156,13 @@ def _followed(law: IcrSteering, now: int, angle: PerWheel, scenario: Scenario) -
 
 
 def _changes(scenario: Scenario) -> set[int]:
-    """Return the cycles in which a command begins or the environment changes, and the first one."""
+    """Return the cycles in which a command begins or the environment changes, and the first one.
+
+    With each that before it: the law turns the motion by the time that has passed since it was asked last.
+    """
     period = scenario.plant.control_period
-    cycles = {0, *(whole_cycles(command.at, period) for command in scenario.commands)}
+    begins = [whole_cycles(command.at, period) for command in scenario.commands]
+    cycles = {0, *begins, *(begin - 1 for begin in begins if begin > 0)}
     for entry in scenario.environment:
         begin, end = whole_cycles(entry.at, period), whole_cycles(entry.end, period)
         cycles.update(range(begin, end + 1) if isinstance(entry, EnvironmentProfile) else (begin,))

@@ -88,7 +88,8 @@ class Study:
         """Return the values of all axes for some turns."""
         places = np.asarray(numbers)
         grid = iter(np.unravel_index(places // self.samples, self.grid) if self.grid else ())
-        shares = _shares(self.samples, sum(axis.distribution is not None for axis in self.axes), self.sampling, self.seed)
+        drawn_axes = sum(axis.distribution is not None for axis in self.axes)
+        shares = _shares(self.samples, drawn_axes, self.sampling, self.seed)
         drawn = iter(shares[places % self.samples].T)
         columns: list[list[Any]] = []
         for axis in self.axes:
@@ -97,6 +98,13 @@ class Study:
             else:
                 columns.append(axis.distribution.quantiles(next(drawn)).tolist())
         return list(zip(*columns, strict=True))
+
+    @property
+    def corners(self) -> list[tuple[Any, ...]]:
+        """Points that have the first value of all axes but one, and of that the last; a median for a distribution."""
+        ends = [_ends(axis) for axis in self.axes]
+        first = tuple(low for low, _ in ends)
+        return [first, *((*first[:i], high, *first[i + 1 :]) for i, (_, high) in enumerate(ends) if high != first[i])]
 
     def scenario(self, point: Sequence[Any]) -> Scenario:
         """Return the scenario of one turn.
@@ -119,14 +127,21 @@ class Study:
             'version': __version__,
             'scenario': self.name,
             'tree': self.tree,
-            'settings': {name: value for name, value in self.settings},
-            'axes': {axis.name: axis.distribution._asdict() if axis.distribution else list(axis.values) for axis in self.axes},
+            'settings': dict(self.settings),
+            'axes': {axis.name: axis.distribution or axis.values for axis in self.axes},
             'samples': self.samples,
             'sampling': self.sampling,
             'seed': self.seed,
             'turns': self.turns,
             'chunk': self.chunk,
         }
+
+
+def _ends(axis: Axis) -> tuple[Any, Any]:
+    if axis.distribution is None:
+        return axis.values[0], axis.values[-1]
+    median = float(axis.distribution.quantiles(np.array([0.5]))[0])
+    return median, median
 
 
 @lru_cache(maxsize=1)
@@ -163,14 +178,13 @@ def read_study(
     axes = tuple(read_axis(text, base, tree) for text in vary)
     axes = axes or tuple(listed_axis(axis, values, tree) for axis, values in base.vary.items())
     if not axes:
-        raise RunError(f'{name} varies nothing by itself: say what to, such as --vary {next(iter(base.values), "mass")}=...')
+        example = next(iter(base.values), 'mass')
+        raise RunError(f'{name} says nothing that is varied: say it by --vary, such as --vary {example}=1,2,3')
     overrides = tuple(map(read_override, settings))
     _check_names(axes, overrides)
     study = Study(name, tree, overrides, axes, _samples(axes, samples), sampling, seed)
     if study.turns > MOST_TURNS:
         raise RunError(f'{study.turns} turns are more than {MOST_TURNS}; take fewer values or samples')
-    for point in _corners(study):
-        study.scenario(point)
     return study
 
 
@@ -194,11 +208,3 @@ def _check_names(axes: Sequence[Axis], settings: Sequence[Setting]) -> None:
             raise RunError(f'{axis.name} is both set and varied; leave one out')
         if any(axis.setting == other.setting for other in axes[:number]):
             raise RunError(f'{axis.name} is varied twice')
-
-
-def _corners(study: Study) -> list[tuple[Any, ...]]:
-    """Return points at which each axis has its first and its last value once, the others their first."""
-    ends = [(axis.values[0], axis.values[-1]) if axis.values else axis.distribution.quantiles(np.array([0.5, 0.5])).tolist()
-            for axis in study.axes]
-    first = tuple(low for low, _ in ends)
-    return [first, *((*first[:i], high, *first[i + 1 :]) for i, (_, high) in enumerate(ends))]

@@ -88,7 +88,7 @@ def turn(study: Study, point: Sequence[Any]) -> OpenLoop:
     check_commands(scenario)
     reason = why_closed(scenario)
     if reason is not None:
-        raise ScenarioError(f'{scenario.name} can not be swept: {reason}')
+        raise ScenarioError(f'{scenario.name}: a sweep drives what needs no feedback: {reason}, or run it')
     return open_loop(scenario)
 
 
