@@ -5,6 +5,7 @@ geometry and time alone. They come from the same driver script and the same cont
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from omni_vehicle_ros.components.plant import changed_environment
@@ -121,7 +122,8 @@ def open_loop(scenario: Scenario) -> OpenLoop:
 def _acting(scenario: Scenario) -> list[Acting]:
     """Ask driver and control law in each cycle in which something may change."""
     script = DriverScript(scenario)
-    law = IcrSteering(scenario.vehicle, scenario.steering, scenario.plant.control_period)
+    fresh = replace(scenario.steering, command_timeout=0.0)  # here the driver does not repeat what he has said
+    law = IcrSteering(scenario.vehicle, fresh, scenario.plant.control_period)
     take: dict[str, Callable[[Any, int], None]] = {
         'driver/icr': law.icr, 'driver/speed': law.speed, 'driver/traction': law.traction, 'cmd_vel': law.cmd_vel,
     }  # fmt: skip
