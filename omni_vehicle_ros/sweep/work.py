@@ -1,5 +1,6 @@
 """Who does the chunks of a study: the cores of this machine, or the workers of a Dask cluster."""
 
+import logging
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import TYPE_CHECKING, Any
@@ -71,7 +72,8 @@ def on_cluster(study: Study, chunks: Sequence[int], address: str) -> Iterator[Pa
                 for number in islice(waiting, count)
             ]
 
-        under_way = as_completed(submit(AHEAD * max(1, sum(client.nthreads().values()))))
+        threads = sum(client.nthreads().values())
+        under_way = as_completed(submit(AHEAD * max(1, threads)), loop=client.loop)
         for future in under_way:
             yield _result(future)
             for following in submit(1):
@@ -83,6 +85,7 @@ def _client(address: str) -> 'Client':
         from distributed import Client
     except ImportError:
         raise RunError("--scheduler: distributed is not installed: pip install 'omni_vehicle_ros[cluster]'") from None
+    logging.getLogger('distributed').setLevel(logging.CRITICAL)  # what matters of a lost worker is said here
     try:
         return Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
