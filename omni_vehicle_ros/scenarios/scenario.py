@@ -6,10 +6,11 @@ A file is a mapping with the keys of `Scenario`; only ``duration`` must be there
 plain run knows nothing of it.
 """
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, TypeVar
 
 from omni_vehicle_ros.errors import ParameterError, ScenarioError
@@ -175,9 +176,15 @@ def _read_section(tree: Any, section: str) -> dict[str, Any]:
 
 def _make(kind: type[P], section: str, entries: Mapping[str, Any]) -> P:
     try:
-        return kind.from_mapping(entries[section])
+        return _made(kind, json.dumps(entries[section]))
     except ParameterError as error:
         raise ScenarioError(f'{section}: {error}') from None
+
+
+@lru_cache(maxsize=64)
+def _made(kind: type[P], values: str) -> P:
+    """Make parameters of JSON: in a study most of them are those of the scenario before."""
+    return kind.from_mapping(json.loads(values))
 
 
 def _read_text(key: str, value: Any) -> str:

@@ -6,12 +6,14 @@ geometry and time alone. They come from the same driver script and the same cont
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from omni_vehicle_ros.components.plant import changed_environment
 from omni_vehicle_ros.control.icr_steering import IcrSteering
 from omni_vehicle_ros.model.constants import Constants, constants
 from omni_vehicle_ros.model.dynamics import NO_GAIN, Environment
+from omni_vehicle_ros.parameters import SteeringParameters
 from omni_vehicle_ros.scenarios import Scenario
 from omni_vehicle_ros.scenarios.environment import EnvironmentProfile
 from omni_vehicle_ros.scenarios.scenario import whole_cycles
@@ -107,7 +109,7 @@ def open_loop(scenario: Scenario) -> OpenLoop:
     """
     plant = scenario.plant
     return OpenLoop(
-        constants=constants(scenario.vehicle),
+        constants=_constants(scenario.vehicle),
         speed=plant.initial_speed,
         slip_gain=exact_gains(scenario) or NO_GAIN,
         road=Environment(plant.bank, plant.wind, plant.friction),
@@ -122,14 +124,15 @@ def open_loop(scenario: Scenario) -> OpenLoop:
 def _acting(scenario: Scenario) -> list[Acting]:
     """Ask driver and control law in each cycle in which something may change."""
     script = DriverScript(scenario)
-    fresh = replace(scenario.steering, command_timeout=0.0)  # here the driver does not repeat what he has said
-    law = IcrSteering(scenario.vehicle, fresh, scenario.plant.control_period)
+    law = IcrSteering(scenario.vehicle, _ever_fresh(scenario.steering), scenario.plant.control_period)
     take: dict[str, Callable[[Any, int], None]] = {
         'driver/icr': law.icr, 'driver/speed': law.speed, 'driver/traction': law.traction, 'cmd_vel': law.cmd_vel,
     }  # fmt: skip
     period = round(scenario.plant.control_period * 1e9)
     road = Environment(scenario.plant.bank, scenario.plant.wind, scenario.plant.friction)
     angle = force = _STILL
+    # What the law asks of the next cycle differs only if it turns slowly, or looks at the angles of this one.
+    gradual = scenario.steering.motion_rate_limit > 0.0 or any(command.yaw_moment for command in scenario.commands)
     found: list[Acting] = []
     waiting = _changes(scenario)
     while waiting and (cycle := min(waiting)) < scenario.cycles:
@@ -142,9 +145,18 @@ def _acting(scenario: Scenario) -> list[Acting]:
         before = angle, force
         angle, force = _followed(law, cycle * period, angle, scenario)
         found.append(Acting(cycle, angle, force, road))
-        if (angle, force) != before:  # the law may not be there yet
+        if gradual and (angle, force) != before:
             waiting.add(cycle + 1)
     return found
+
+
+_constants = lru_cache(maxsize=8)(constants)
+
+
+@lru_cache(maxsize=8)
+def _ever_fresh(steering: SteeringParameters) -> SteeringParameters:
+    """Return what commands do not grow stale with: here the driver says them once."""
+    return replace(steering, command_timeout=0.0)
 
 
 def _followed(law: IcrSteering, now: int, angle: PerWheel, scenario: Scenario) -> tuple[PerWheel, PerWheel]:
