@@ -50,6 +50,7 @@ setup(
     install_requires=RUN_TIME,
     extras_require={
         'bench': ['mcap-ros2-support'],
+        'cluster': ['distributed'],
         'peers': ['commonroad-vehicle-models', 'slipx'],
         'test': ['hypothesis', 'pytest'],
     },

@@ -298,7 +298,9 @@ def sweep(
     seed: Annotated[int, typer.Option('--seed', help='The same seed draws the same samples.', min=0)] = 0,
     scheduler: Annotated[
         str | None,
-        typer.Option('--scheduler', metavar='ADDRESS', help='Dask scheduler whose workers drive. Default: all cores here.'),
+        typer.Option(
+            '--scheduler', metavar='ADDRESS', help='Dask scheduler whose workers drive. Default: all cores here.'
+        ),
     ] = None,
     out: Annotated[
         Path | None,

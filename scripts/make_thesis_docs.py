@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
+from omni_vehicle_ros.thesis.workers import Workers
+
 from omni_vehicle_ros.thesis import controllers_page
 from omni_vehicle_ros.thesis.pages import claims_page
 from omni_vehicle_ros.thesis.reproduce import judge_claims
-from omni_vehicle_ros.thesis.workers import Workers
 
 DOCS = Path(__file__).resolve().parents[1] / 'docs'
 

@@ -1,5 +1,6 @@
-"""How fast a sweep drives turns: its chunks, from values to table, beside the batch kernel that takes the same steps."""
+"""How fast a sweep drives turns: from values to table, beside the batch kernel with the same steps."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -36,7 +37,7 @@ def bench(
     rounds
         As in `interleaved`.
     """
-    works = {}
+    works: dict[str, Callable[[], object]] = {}
     for name, step in STEPS.items():
         study = read_study(
             'simple_turning', [f'radius=2:10:{turns}', f'speed=0.5:6:{turns}'],
@@ -50,7 +51,8 @@ def bench(
     lines = [
         Line(
             f'turns of {duration:g} s, {name}', 'turns/s of one core',
-            count / times[f'sweep, {name}'].cpu, count / times[f'kernel, {name}'].cpu, 'the batch kernel alone', GOALS[name],
+            count / times[f'sweep, {name}'].cpu, count / times[f'kernel, {name}'].cpu,
+            'the batch kernel alone', GOALS[name],
             f'a million in {MILLION * times[f"sweep, {name}"].cpu / count / 60.0:.3g} min of CPU time',
         )
         for name in STEPS

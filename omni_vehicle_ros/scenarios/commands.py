@@ -51,6 +51,11 @@ class Command:
     yaw_moment: float = 0.0
     cmd_vel: tuple[float, float, float] | None = None
 
+    @property
+    def silent(self) -> bool:
+        """Whether nothing is said."""
+        return self.icr is None and self.cmd_vel is None
+
     def to_mapping(self) -> dict[str, Any]:
         """Return the mapping that stands for it in a scenario file."""
         if self.cmd_vel is not None:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from omni_vehicle_ros.errors import ParameterError, ScenarioError
 from omni_vehicle_ros.parameters import (
@@ -176,13 +176,13 @@ def _read_section(tree: Any, section: str) -> dict[str, Any]:
 
 def _make(kind: type[P], section: str, entries: Mapping[str, Any]) -> P:
     try:
-        return _made(kind, json.dumps(entries[section]))
+        return cast(P, _made(kind, json.dumps(entries[section])))  # type: ignore[arg-type]  # a class has a hash
     except ParameterError as error:
         raise ScenarioError(f'{section}: {error}') from None
 
 
 @lru_cache(maxsize=64)
-def _made(kind: type[P], values: str) -> P:
+def _made(kind: type[Parameters], values: str) -> Parameters:
     """Make parameters of JSON: in a study most of them are those of the scenario before."""
     return kind.from_mapping(json.loads(values))
 

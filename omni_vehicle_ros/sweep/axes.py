@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import fields
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy import stats
 
 from omni_vehicle_ros.errors import ScenarioError
 from omni_vehicle_ros.model.state import Vector
-from omni_vehicle_ros.parameters import Parameters, PlantParameters, VehicleParameters, did_you_mean
+from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters, did_you_mean
 from omni_vehicle_ros.scenarios import yaml_text
 from omni_vehicle_ros.scenarios.scenario import Scenario
 from omni_vehicle_ros.scenarios.settings import PLAIN, SECTIONS
@@ -19,7 +20,10 @@ from omni_vehicle_ros.scenarios.settings import PLAIN, SECTIONS
 MOST_VALUES = 100_000
 _RANGE = re.compile(r'([^:]*):([^:]*):([^:]*)')
 _DRAWN = re.compile(r'(\w+)\s*\((.*)\)')
-_BARE: Mapping[str, type[Parameters]] = {'vehicle': VehicleParameters, 'plant': PlantParameters}
+_BARE: Mapping[str, tuple[str, ...]] = {
+    section: tuple(entry.name for entry in fields(kind))
+    for section, kind in (('vehicle', VehicleParameters), ('plant', PlantParameters))
+}
 _UNITS = {
     'duration': 's', 'command_period': 's', 'at': 's', 'icr': 'm', 'speed': 'm/s', 'traction': 'N',
     'wheel_traction': 'N', 'yaw_moment': 'N m', 'bank': 'rad', 'wind': 'm/s', 'friction': '1',
@@ -132,10 +136,10 @@ def _setting(name: str, scenario: Scenario) -> str:
     """Return what ``--set`` calls it: a value of the scenario first, else a parameter of vehicle or plant."""
     if name in scenario.values or name in PLAIN or name.partition('.')[0] in SECTIONS:
         return name
-    for section, kind in _BARE.items():
-        if name in {entry.name for entry in fields(kind)}:
+    for section, parameters in _BARE.items():
+        if name in parameters:
             return f'{section}.{name}'
-    known = [*scenario.values, *PLAIN, *(entry.name for kind in _BARE.values() for entry in fields(kind))]
+    known = [*scenario.values, *PLAIN, *chain(*_BARE.values())]
     close = did_you_mean(name, known)
     if close.startswith('; did'):
         raise ScenarioError(f'unknown name {name!r}{close}')

@@ -59,7 +59,9 @@ QUANTITIES = {
     'path_radius': Quantity('Radius of the path', 'm', ('path_radius',), np.abs, True),
     'lateral_acceleration': Quantity('Lateral acceleration', 'm/s²', ('lateral_acceleration',), np.abs, True),
     'friction_use': Quantity('Largest use of friction', '1', _wheels('friction_use_peak'), _largest),
-    'load': Quantity('Smallest vertical load', 'kN', _wheels('load_minimum'), lambda *load: 1e-3 * np.min(load, axis=0)),
+    'load': Quantity(
+        'Smallest vertical load', 'kN', _wheels('load_minimum'), lambda *load: 1e-3 * np.min(load, axis=0)
+    ),
 }
 
 

@@ -36,7 +36,9 @@ class Swept(NamedTuple):
     wall: float
 
 
-def sweep(study: Study, directory: Path, scheduler: str | None = None, progress: Progress = lambda turns: None) -> Swept:
+def sweep(
+    study: Study, directory: Path, scheduler: str | None = None, progress: Progress = lambda turns: None
+) -> Swept:
     """Drive all turns of a study that are not in a directory yet, then draw them all.
 
     Parameters

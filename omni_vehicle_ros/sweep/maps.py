@@ -1,7 +1,7 @@
 """The pictures of a sweep: maps over its first two axes, or lines over its only one."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from matplotlib.colors import BoundaryNorm
@@ -36,8 +36,8 @@ def write_pictures(found: Cells, title: str, directory: Path) -> tuple[Path, ...
         figure = draw(found, title)
         paths = tuple(directory / f'map.{suffix}' for suffix in ('svg', 'png'))
         for path in paths:
-            kind = {'metadata': {'Date': None}} if path.suffix == '.svg' else {}
-            figure.savefig(path, dpi=160.0, facecolor=PAPER, bbox_inches='tight', pad_inches=0.1, **kind)
+            metadata = {'Date': None} if path.suffix == '.svg' else None
+            figure.savefig(path, dpi=160.0, facecolor=PAPER, bbox_inches='tight', pad_inches=0.1, metadata=metadata)
     return paths
 
 
@@ -75,17 +75,18 @@ def _line(axes: 'Axes', found: Cells, name: str, quantity: Quantity) -> None:
 
 def _map(axes: 'Axes', found: Cells, name: str, quantity: Quantity) -> None:
     x, y = found.axes
-    values = np.ma.masked_invalid(found.mean[name])
+    values = found.mean[name]
     levels = _levels(name, values)
     norm = BoundaryNorm(levels, 256, extend=_extent(name, levels[0]))
-    drawn = axes.pcolormesh(x.edges, y.edges, values, norm=norm, cmap=_SHADES[name], rasterized=True, linewidth=0.0)
+    cells = np.ma.masked_invalid(values)
+    drawn = axes.pcolormesh(x.edges, y.edges, cells, norm=norm, cmap=_SHADES[name], rasterized=True, linewidth=0.0)
     axes.figure.colorbar(drawn, ax=axes, label=f'[{quantity.unit}]', ticks=levels, pad=0.02, format='%g')
     axes.patch.set(facecolor=_NOTHING, hatch='////', edgecolor=MUTED, linewidth=0.0)
     axes.set_ylabel(label(y.axis))
     axes.grid(False)
 
 
-def _extent(name: str, lowest: float) -> str:
+def _extent(name: str, lowest: float) -> Literal['neither', 'max', 'both']:
     """Return beyond which ends of a scale there may be values: sizes and shares begin at 0."""
     return 'neither' if name == 'settled' else 'max' if lowest == 0.0 else 'both'
 
@@ -93,6 +94,6 @@ def _extent(name: str, lowest: float) -> str:
 def _levels(name: str, values: Vector) -> tuple[float, ...]:
     if name in _TICKS:
         return _TICKS[name]
-    known = np.ma.compressed(values) if np.ma.isMaskedArray(values) else values
+    known = values[np.isfinite(values)]
     low, high = np.quantile(known, (0.02, 0.98)) if len(known) else (0.0, 1.0)
-    return tuple(MaxNLocator(_STEPS, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high).tolist())
+    return tuple(MaxNLocator(_STEPS, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))

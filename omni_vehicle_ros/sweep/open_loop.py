@@ -94,7 +94,7 @@ def why_closed(scenario: Scenario) -> str | None:
         return 'its speed is controlled, or it brakes; --set plant.constant_speed=true'
     if moving and scenario.side_slip_control and any(command.yaw_moment for command in scenario.commands):
         return 'its yaw moment follows the wheels; --set side_slip_control=false'
-    if steering.motion_rate_limit > 0.0 and any(command.icr is command.cmd_vel for command in scenario.commands):
+    if steering.motion_rate_limit > 0.0 and any(command.silent for command in scenario.commands):
         return 'its driver falls silent on the way; --set steering.motion_rate_limit=0'
     return None
 

@@ -38,8 +38,9 @@ def _facts(study: Study) -> list[str]:
 
 def _figures(study: Study, found: Cells) -> list[tuple[str, str]]:
     words = {
-        'settled': 'Settled', 'left_linear': 'A tyre left its linear region', 'lifted': 'A wheel lifted', 'spun': 'Spun',
-    }
+        'settled': 'Settled', 'left_linear': 'A tyre left its linear region', 'lifted': 'A wheel lifted',
+        'spun': 'Spun',
+    }  # fmt: skip
     return [(text, f'{100.0 * found.flags[flag] / study.turns:.2f}') for flag, text in words.items()]
 
 

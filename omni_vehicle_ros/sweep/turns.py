@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from omni_vehicle_ros.analysis.metrics import REST, SPEED_FLOOR, YAW_RATE_FLOOR
 from omni_vehicle_ros.analysis.signals import BAND
@@ -27,6 +28,8 @@ from omni_vehicle_ros.sweep.watch import (
     SIGNALS,
 )
 from omni_vehicle_ros.wheels import WHEELS
+
+Flags = npt.NDArray[np.bool_]
 
 SPUN = 0.25 * np.pi
 """Mean side slip of the wheels [rad] from which on a vehicle moves across them rather than along."""
@@ -105,12 +108,12 @@ def results(turns: Sequence[OpenLoop]) -> dict[str, Vector]:
     return found
 
 
-def _columns(turns: Sequence[OpenLoop], driven: Driven) -> dict[str, Vector]:
+def _columns(turns: Sequence[OpenLoop], driven: Driven) -> dict[str, Any]:
     rows, means = driven.rows, {name: signal(driven, name)[2] for name in SIGNALS}
     settled = _settled(turns, driven)
     limit = np.where([one.constants.tyre_model == DUGOFF for one in turns], ROUNDING, DEPARTURE)
     loads = rows[LEAST_LOAD : LEAST_LOAD + 4]
-    found = {
+    found: dict[str, Any] = {
         'settled': settled,
         'spun': rows[LARGEST_SLIDE] > SPUN,
         'left_linear': rows[LARGEST_DEPARTURE] > limit,
@@ -130,18 +133,18 @@ def _columns(turns: Sequence[OpenLoop], driven: Driven) -> dict[str, Vector]:
     return found
 
 
-def _settled(turns: Sequence[OpenLoop], driven: Driven) -> Vector:
+def _settled(turns: Sequence[OpenLoop], driven: Driven) -> Flags:
     """Return whether turns end in a steady state, as `analysis.metrics` says it, but for its look at limit speeds."""
     if driven.samples == 0:
         return np.zeros(len(turns), dtype=bool)
     moving = np.max([np.max(np.abs(signal(driven, name)[:2]), axis=0) for name in ('vx', 'vy', 'yaw_rate')], axis=0)
-    steady = (moving >= REST) & _steady(driven, 'yaw_rate', YAW_RATE_FLOOR) & _steady(driven, 'vy', SPEED_FLOOR)
-    for number in np.flatnonzero(steady & (driven.rows[LARGEST_DEPARTURE] > ROUNDING)):
+    steady: Flags = (moving >= REST) & _steady(driven, 'yaw_rate', YAW_RATE_FLOOR) & _steady(driven, 'vy', SPEED_FLOOR)
+    for number in np.flatnonzero(steady & (driven.rows[LARGEST_DEPARTURE] > ROUNDING)).tolist():
         steady[number] = not _axle_slides(turns[number], driven.rows[:, number])
     return steady
 
 
-def _steady(driven: Driven, name: str, floor: float) -> Vector:
+def _steady(driven: Driven, name: str, floor: float) -> Flags:
     low, high, mean = signal(driven, name)
     return high - low <= np.maximum(BAND * np.abs(mean), floor)
 
@@ -160,12 +163,13 @@ def _axle_slides(one: OpenLoop, row: Vector) -> bool:
     return all(sliding[:2]) or all(sliding[2:])
 
 
-def _radius(driven: Driven, settled: Vector) -> Vector:
+def _radius(driven: Driven, settled: Flags) -> Vector:
     """Return the radius of settled paths [m], NaN of others and of straight ones; see `metrics.path_radius`."""
     speed, rate = signal(driven, 'speed')[2], signal(driven, 'yaw_rate')[2]
-    turning = settled.astype(bool) & _steady(driven, 'speed', SPEED_FLOOR) & (np.abs(rate) > YAW_RATE_FLOOR)
+    turning = settled & _steady(driven, 'speed', SPEED_FLOOR) & (np.abs(rate) > YAW_RATE_FLOOR)
     signed = np.copysign(speed, signal(driven, 'vx')[2])
-    return np.divide(signed, rate, out=np.full(len(rate), np.nan), where=turning)
+    radius: Vector = np.divide(signed, rate, out=np.full(len(rate), np.nan), where=turning)
+    return radius
 
 
 def _parquet(
@@ -181,8 +185,8 @@ def _parquet(
         arrays.append(array)
         fields.append(pa.field(axis.name, array.type, metadata={'unit': axis.unit, 'text': 'varied'}))
     for column in COLUMNS:
-        values = columns[column.name]
-        array = pa.array(values if column.unit else values.astype(bool), from_pandas=True)
+        found = columns[column.name]
+        array = pa.array(found if column.unit else found.astype(bool), from_pandas=True)
         arrays.append(array)
         fields.append(pa.field(column.name, array.type, metadata={'unit': column.unit, 'text': column.text}))
     file = io.BytesIO()

@@ -1,7 +1,7 @@
-"""The loop of a sweep over control cycles: it drives vehicles as `model.batch` does, and keeps what a turn is judged by.
+"""The loop of a sweep over control cycles: drives as `model.batch` does, and keeps what turns are judged by.
 
 What is kept lies in rows below those of `model.batch`: extremes over the whole turn, and for the last second the
-smallest, the largest and the sum of each signal. In plain Python, with one lane, where numba is missing or switched off.
+smallest, the largest and the sum of each signal. In plain Python, with one lane, where numba is missing.
 """
 
 from collections.abc import Callable

@@ -1,7 +1,7 @@
 """Who does the chunks of a study: the cores of this machine, or the workers of a Dask cluster."""
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
@@ -25,7 +25,7 @@ PATIENCE = 10.0
 Part = tuple[int, bytes]
 
 
-def on_this_machine(study: Study, chunks: Sequence[int]) -> Iterator[Part]:
+def on_this_machine(study: Study, chunks: Sequence[int]) -> Generator[Part, None, None]:
     """Yield number and table of each chunk as it is done, by a process for each core.
 
     Raises
@@ -46,7 +46,7 @@ def compile_all() -> None:
     drive([open_loop(load_scenario('simple_turning', ['duration=0.01']))])
 
 
-def on_cluster(study: Study, chunks: Sequence[int], address: str) -> Iterator[Part]:
+def on_cluster(study: Study, chunks: Sequence[int], address: str) -> Generator[Part, None, None]:
     """Do as `on_this_machine` by the workers of a Dask cluster; a chunk whose worker is lost goes to another one.
 
     Parameters

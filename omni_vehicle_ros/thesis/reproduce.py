@@ -11,7 +11,7 @@ from omni_vehicle_ros.thesis.figure import ThesisFigure
 from omni_vehicle_ros.thesis.files import Shown, draw
 from omni_vehicle_ros.thesis.pages import Judged, claims_data, claims_page, index_page, judge
 from omni_vehicle_ros.thesis.registry import FIGURES, chosen
-from omni_vehicle_ros.thesis.tasks import Results, Task, results
+from omni_vehicle_ros.thesis.tasks import Results, Task, work_on
 from omni_vehicle_ros.workers import Workers
 
 PICTURES = 'figures'
@@ -64,7 +64,7 @@ class Reproduction:
         counter = _Counter(progress)
         pictures = directory / PICTURES
         with new_directory(directory), new_directory(pictures), Workers() as workers:
-            found = results(workers, self._tasks, counter)
+            found = work_on(workers, self._tasks, counter)
             jobs = {entry.number: (entry.number, _part(found, entry), pictures) for entry in self._figures}
             shown = workers.each(jobs, _draw, counter)
             judged = judge(found) if self._claims else None
@@ -93,7 +93,7 @@ def claim_tasks() -> Tasks:
 def judge_claims() -> Judged:
     """Judge the claims without any figure."""
     with Workers() as workers:
-        return judge(results(workers, claim_tasks()))
+        return judge(work_on(workers, claim_tasks()))
 
 
 def _part(found: Results, figure: ThesisFigure) -> Results:

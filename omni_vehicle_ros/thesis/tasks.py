@@ -39,7 +39,7 @@ class Results:
         return self._found[task]  # type: ignore[no-any-return]
 
 
-def results(workers: Workers, tasks: Sequence[Task[Any]], done: Done = lambda: None) -> Results:
+def work_on(workers: Workers, tasks: Sequence[Task[Any]], done: Done = lambda: None) -> Results:
     """Do tasks, each once; ``done`` is called after each.
 
     Raises

@@ -82,7 +82,7 @@ def test_rosdep_keys_are_the_run_time_requirements(manifest, setup_arguments):
 
 def test_all_that_is_imported_is_declared(root, manifest, setup_arguments):
     extras = setup_arguments['extras_require']
-    declared = run_time(setup_arguments) | {*extras['bench'], *extras['peers']}
+    declared = run_time(setup_arguments) | {*extras['bench'], *extras['cluster'], *extras['peers']}
     python = {IMPORT_NAMES.get(name, name) for name in declared}
     assert imports(root) <= python | ros_packages(manifest)
 

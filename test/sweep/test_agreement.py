@@ -61,7 +61,8 @@ def test_a_turn_is_that_of_an_offline_run(tmp_path, case):
     found = {name: column[0] for name, column in results([open_loop(scenario)]).items()}
     assert bool(found['settled']) is metrics['steady']['reached']
     radius = metrics['path']['radius']
-    assert math.isnan(found['path_radius']) if radius is None else found['path_radius'] == pytest.approx(radius, rel=1e-9)
+    radius = math.nan if radius is None else radius
+    assert found['path_radius'] == pytest.approx(radius, rel=1e-9, nan_ok=True)
     last = odom.stamp >= odom.stamp[-1] - 1.0 - 1e-9
     close = {'rel': 1e-9, 'abs': 1e-12}
     if case != 'too short':

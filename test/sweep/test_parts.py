@@ -133,7 +133,8 @@ def test_a_directory_of_something_else_is_refused(tmp_path):
 
 
 def test_what_can_not_be_leaves_no_directory(tmp_path):
-    for scenario, vary in (('demo', 'mass=1300,1400'), ('simple_turning', 'mass=100,1300'), ('simple_turning', 'radius=0,1')):
+    turn = 'simple_turning'
+    for scenario, vary in (('demo', 'mass=1300,1400'), (turn, 'mass=100,1300'), (turn, 'radius=0,1')):
         with pytest.raises(OmniVehicleError):
             sweep(read_study(scenario, [vary]), tmp_path / 'new')
     assert not list(tmp_path.iterdir())

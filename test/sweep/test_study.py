@@ -66,7 +66,8 @@ def test_seeds_draw_the_same_again_and_others_do_not():
 
 
 def test_a_latin_hypercube_fills_each_distribution_evenly():
-    study = read_study(TURN, ['friction=normal(0.8,0.05)', 'mass=triangular(1200,1300,1500)'], samples=200, sampling='latin')
+    axes = ['friction=normal(0.8,0.05)', 'mass=triangular(1200,1300,1500)']
+    study = read_study(TURN, axes, samples=200, sampling='latin')
     friction, mass = np.array(study.points(range(200))).T
     for values, distribution in ((friction, stats.norm(0.8, 0.05)), (mass, stats.triang(1 / 3, 1200, 300))):
         assert sorted(np.floor(200 * distribution.cdf(values)).astype(int)) == list(range(200))

@@ -15,7 +15,7 @@ from omni_vehicle_ros.thesis.registry import FIGURES
 from omni_vehicle_ros.thesis.reproduce import claim_tasks
 from omni_vehicle_ros.thesis.slip_maps import turnover
 from omni_vehicle_ros.thesis.steady import SlipMap
-from omni_vehicle_ros.thesis.tasks import Results, results
+from omni_vehicle_ros.thesis.tasks import Results, work_on
 from omni_vehicle_ros.workers import Workers
 
 DOCS = Path(__file__).parents[2] / 'docs' / 'thesis_claims.md'
@@ -78,7 +78,7 @@ def test_where_slips_begin_to_fall_with_the_speed() -> None:
 def results() -> Results:
     """Return what the claims need: half a minute on two cores."""
     with Workers() as workers:
-        return results(workers, claim_tasks())
+        return work_on(workers, claim_tasks())
 
 
 @pytest.fixture(scope='module')

@@ -7,7 +7,7 @@ import pytest
 from omni_vehicle_ros.thesis.bounds import SlipBound
 from omni_vehicle_ros.thesis.controllers_page import TASKS, write_controllers_page
 from omni_vehicle_ros.thesis.manoeuvres import CONTROLLERS, MANOEUVRES, Judgement, Trial
-from omni_vehicle_ros.thesis.tasks import Results, results
+from omni_vehicle_ros.thesis.tasks import Results, work_on
 from omni_vehicle_ros.thesis.trade_off import RADIUS, SPEED
 from omni_vehicle_ros.workers import Workers
 
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope='module')
 def results() -> Results:
     with Workers() as workers:
-        return results(workers, TASKS)
+        return work_on(workers, TASKS)
 
 
 def judgements(results: Results, manoeuvre: int) -> dict[str, Judgement]:
