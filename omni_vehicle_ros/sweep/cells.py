@@ -14,10 +14,10 @@ from omni_vehicle_ros.sweep.axes import Axis
 from omni_vehicle_ros.sweep.study import Study
 from omni_vehicle_ros.wheels import WHEELS
 
-BINS = 40
-"""Cells along an axis that is drawn from a distribution."""
+MOST_BINS, SAMPLES = 40, 25
+"""Cells along an axis that is drawn from a distribution, at most, and samples in a cell that make one worth while."""
 TAIL = 0.005
-"""Share of the draws that lie beyond the first and beyond the last of them, in these two."""
+"""Share of the draws that lie beyond the first edge, and beyond the last; they count in these two cells."""
 
 
 class Quantity(NamedTuple):
@@ -105,7 +105,10 @@ def cells(study: Study, table: Path) -> Cells:
 
     Over any further axes and over samples, all turns of a cell count alike.
     """
-    axes = tuple(_edges(axis) for axis in study.axes if axis.distribution or _numeric(axis))[:2]
+    shown = [axis for axis in study.axes if axis.distribution or _numeric(axis)][:2]
+    drawn = sum(axis.distribution is not None for axis in shown)
+    bins = min(MOST_BINS, max(2, int((study.samples / SAMPLES) ** (1.0 / max(drawn, 1)))))
+    axes = tuple(_edges(axis, bins) for axis in shown)
     shape = tuple(len(edges.middles) for edges in axes[::-1])
     size = math.prod(shape)
     counts = np.zeros(size)
@@ -138,10 +141,10 @@ def _numeric(axis: Axis) -> bool:
     return len(axis.values) > 1 and all(type(value) in (int, float) for value in axis.values)
 
 
-def _edges(axis: Axis) -> Edges:
+def _edges(axis: Axis, bins: int) -> Edges:
+    """Return the cells of an axis: about each value, or with equal shares of a distribution."""
     if axis.distribution is not None:
-        low, high = axis.distribution.quantiles(np.array([TAIL, 1.0 - TAIL])).tolist()
-        edges = np.linspace(low, high, BINS + 1)
+        edges = axis.distribution.quantiles(np.linspace(TAIL, 1.0 - TAIL, bins + 1))
         return Edges(axis, 0.5 * (edges[:-1] + edges[1:]), edges)
     middles = np.array(sorted(axis.values), dtype=float)
     between = 0.5 * (middles[:-1] + middles[1:])

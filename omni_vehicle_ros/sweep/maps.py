@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from matplotlib.colors import BoundaryNorm
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -25,7 +25,7 @@ _USES = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 _SHARES = (0.0, 10.0, 25.0, 50.0, 75.0, 90.0, 100.0)
 _TICKS = {'side_slip': _SLIPS, 'friction_use': _USES, 'settled': _SHARES}
 _STEPS = 10
-_NOTHING = '#eceff2'
+_NOTHING, _NEXT_TO_NOTHING = '#eceff2', 1e-9
 
 
 def write_pictures(found: Cells, title: str, directory: Path) -> tuple[Path, ...]:
@@ -65,12 +65,24 @@ def label(axis: Axis) -> str:
 
 def _line(axes: 'Axes', found: Cells, name: str, quantity: Quantity) -> None:
     """Draw the mean of the turns of a cell, and from the lowest to the highest of them."""
-    x = found.axes[0].middles
-    low, high = found.low[name], found.high[name]
-    if name != 'settled':
+    x, low, high = found.axes[0].middles, found.low[name], found.high[name]
+    if name == 'settled':
+        axes.set_ylim(0.0, 105.0)
+    else:
         axes.fill_between(x, low, high, facecolor=ACCENT, alpha=0.2, linewidth=0.0)
+        _tell_of_nothing(axes, high)
     axes.plot(x, found.mean[name], color=ACCENT, marker='o' if len(x) <= _STEPS else None, markersize=3.0)
     axes.set_ylabel(f'[{quantity.unit}]')
+
+
+def _tell_of_nothing(axes: 'Axes', values: Vector) -> None:
+    """Say where there is no number, and let rounding not look like something."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        axes.text(0.5, 0.5, 'none', transform=axes.transAxes, ha='center', va='center', color=MUTED)
+        axes.set_yticks([])
+    elif np.max(known) < _NEXT_TO_NOTHING:
+        axes.set_ylim(-0.05, 1.0)
 
 
 def _map(axes: 'Axes', found: Cells, name: str, quantity: Quantity) -> None:
@@ -81,6 +93,8 @@ def _map(axes: 'Axes', found: Cells, name: str, quantity: Quantity) -> None:
     cells = np.ma.masked_invalid(values)
     drawn = axes.pcolormesh(x.edges, y.edges, cells, norm=norm, cmap=_SHADES[name], rasterized=True, linewidth=0.0)
     axes.figure.colorbar(drawn, ax=axes, label=f'[{quantity.unit}]', ticks=levels, pad=0.02, format='%g')
+    empty = np.where(found.counts == 0.0, 0.0, np.nan)
+    axes.pcolormesh(x.edges, y.edges, np.ma.masked_invalid(empty), cmap=ListedColormap([PAPER]), rasterized=True)
     axes.patch.set(facecolor=_NOTHING, hatch='////', edgecolor=MUTED, linewidth=0.0)
     axes.set_ylabel(label(y.axis))
     axes.grid(False)
