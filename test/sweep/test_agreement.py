@@ -32,9 +32,8 @@ CASES = {
     'spins': ('simple_turning', 'radius=3', 'speed=6', 'duration=4'),
     'creeps': ('simple_turning', 'radius=4', 'speed=0.4', 'duration=4'),
     'too short': ('simple_turning', 'duration=0.8'),
-    'bank': ('thesis/bank', 'duration=12.5'),
-    'wind': ('thesis/wind', 'aerodynamic_centre=0.1', 'duration=11'),
-    'traction': ('thesis/traction_in_turn', 'duration=16.5'),
+    'wind': ('thesis/wind', 'aerodynamic_centre=0.1', 'duration=10.5'),
+    'traction': ('thesis/traction_in_turn', 'duration=10.5'),
     'exact side-slip control': (
         'thesis/side_slip_control', 'wheel_module.ideal_actuators=true', 'gains=[5.0, 1.0, 0.0, 0.0]', 'duration=3',
     ),
