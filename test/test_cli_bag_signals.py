@@ -64,20 +64,20 @@ def test_a_signal_leaves_nothing_half_made(place: Path, command: str, number: si
 
 SWALLOWED = """
 import os, signal, sys, time
-from omni_vehicle_ros import cli
+from omni_vehicle_ros.cli import command_line
 
 class Destroyed:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGTERM)
         time.sleep(0.1)
 
-@cli.app.command()
 def swallow():
     Destroyed()
     time.sleep(60)
 
+command_line.COMMANDS['swallow'] = swallow
 sys.argv[1:] = ['swallow']
-cli.main()
+command_line.main()
 """
 
 
