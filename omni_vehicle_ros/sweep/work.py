@@ -20,7 +20,7 @@ RETRIES = 10
 """How often a chunk is begun anew whose worker was lost."""
 
 PATIENCE = 10.0
-"""How long a scheduler may take to answer [s]."""
+"""How long a scheduler may take to answer, and its first worker to come [s]."""
 
 Part = tuple[int, bytes]
 
@@ -83,13 +83,20 @@ def on_cluster(study: Study, chunks: Sequence[int], address: str) -> Generator[P
 def _client(address: str) -> 'Client':
     try:
         from distributed import Client
+        from distributed import TimeoutError as Late
     except ImportError:
-        raise RunError("--scheduler: distributed is not installed: pip install 'omni_vehicle_ros[cluster]'") from None
+        raise RunError('--scheduler: distributed is not installed: pip install distributed') from None
     logging.getLogger('distributed').setLevel(logging.CRITICAL)  # what matters of a lost worker is said here
     try:
-        return Client(address, timeout=PATIENCE, set_as_default=False)
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise RunError(f'--scheduler {address}: no Dask scheduler answers there: {error}') from None
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except Late:
+        client.close()
+        raise RunError(f'--scheduler {address}: it has no workers; start some: dask worker {address}') from None
+    return client
 
 
 def _result(future: Any) -> Part:

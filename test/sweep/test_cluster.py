@@ -41,3 +41,13 @@ def test_a_scheduler_that_does_not_answer_is_told(tmp_path: Path, monkeypatch: p
     with pytest.raises(RunError, match='no Dask scheduler answers there') as error:
         sweep(read_study('simple_turning', ['radius=2,3']), tmp_path / 'out', 'tcp://127.0.0.1:1')
     assert '\n' not in str(error.value)
+
+
+@pytest.mark.filterwarnings('ignore')  # of Dask's own
+def test_a_scheduler_without_workers_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr('omni_vehicle_ros.sweep.work.PATIENCE', 2.0)
+    with (
+        distributed.LocalCluster(n_workers=0, dashboard_address=None, host='127.0.0.1', protocol='tcp') as cluster,
+        pytest.raises(RunError, match='it has no workers; start some'),
+    ):
+        sweep(read_study('simple_turning', ['radius=2,3']), tmp_path / 'out', cluster.scheduler_address)
