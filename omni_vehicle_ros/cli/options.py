@@ -27,7 +27,7 @@ ClockOwner = Annotated[
 
 def results_directory(out: Path | None, name: str) -> Path:
     """Return where results go: what the user says, or a directory named after the work and the time."""
-    return results_directory(out, '{name}')
+    return out or Path('runs') / f'{name}-{time.strftime("%Y%m%d-%H%M%S")}'
 
 
 def choose(option: str, value: str, allowed: tuple[str, ...]) -> None:
