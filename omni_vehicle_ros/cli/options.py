@@ -1,5 +1,6 @@
 """What the commands share: options, and where results go."""
 
+import time
 from pathlib import Path
 from typing import Annotated
 
