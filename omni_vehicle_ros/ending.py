@@ -10,6 +10,9 @@ ENDING = (signal.SIGINT, signal.SIGTERM)
 EXIT_SIGNAL = 128
 """Plus the number of the signal: exit code of a command that a signal ended, as shells have it."""
 
+PARENT = 'OMNI_VEHICLE_PARENT'
+"""Environment variable: a node whose parent is no longer the process of this number ends."""
+
 
 def hold_signals() -> None:
     """Keep SIGINT and SIGTERM pending until there is someone to handle them; child processes inherit this."""

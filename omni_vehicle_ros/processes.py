@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 from typing import IO
 
-from omni_vehicle_ros.ending import hold_signals, release_signals
+from omni_vehicle_ros.ending import PARENT, hold_signals, release_signals
 from omni_vehicle_ros.scenarios import scenario_directory
 
 BOOT = (
@@ -19,8 +19,6 @@ BOOT = (
 """What Python runs: never a module that happens to lie in the current directory."""
 
 STOP_LIMIT = 8.0
-PARENT = 'OMNI_VEHICLE_PARENT'
-"""Environment variable: a node whose parent is no longer this process ends."""
 
 TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGE_SIZE')

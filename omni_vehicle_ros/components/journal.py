@@ -50,10 +50,10 @@ class Journal:
         for row, name in zip(rows, self._names, strict=True):
             writer.add_topic(name, row.type, row.qos)
 
-    def add(self, topic: str, data: bytes) -> None:
-        """Take a message; the one that begins a cycle also writes what has settled."""
+    def add(self, topic: str, data: bytes) -> int:
+        """Take a message, and return its stamp [ns]; the one that begins a cycle also writes what has settled."""
         index = self._index[topic]
-        stamp = stamp_of(data)
+        stamp = said = stamp_of(data)
         if topic == 'joint_states':
             self.now = max(self.now, stamp)
             self._write(self.now - SETTLE * self.period)
@@ -64,6 +64,7 @@ class Journal:
         # Many nodes speak on /diagnostics at the same time: there the text decides, else who came first.
         waiting = self._pending.setdefault(stamp, [])
         waiting.append((index, data if topic == '/diagnostics' else len(waiting), data))
+        return said
 
     def _count(self, index: int, stamp: int) -> None:
         last = self._last.get(index, stamp - self.period)

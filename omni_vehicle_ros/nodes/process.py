@@ -18,12 +18,11 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from omni_vehicle_ros.ending import ENDING
+from omni_vehicle_ros.ending import ENDING, PARENT
 from omni_vehicle_ros.errors import OmniVehicleError
 
 RCLError = rclpy_implementation.RCLError
 
-PARENT = 'OMNI_VEHICLE_PARENT'
 EXIT_USAGE = 2
 LOOK_PERIOD = 0.02
 GARBAGE = 10_000

@@ -10,7 +10,6 @@ from omni_vehicle_ros.components.recording_statistics import RecordingStatistics
 from omni_vehicle_ros.control.health import Health, health
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.messages import Step, decode
-from omni_vehicle_ros.messages.stamps import stamp_of
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.ports import subscribe_to
 from omni_vehicle_ros.nodes.shell import Shell
@@ -63,8 +62,8 @@ class VehicleRecording:
 
         def take(data: bytes) -> None:
             try:
-                journal.add(name, data)
-                statistics.add(len(data), stamp_of(data) // journal.period if row.cyclic else None)
+                stamp = journal.add(name, data)
+                statistics.add(len(data), stamp // journal.period if row.cyclic else None)
                 if name == 'joint_states':
                     self._beat()
                 elif name == 'driver/step':
