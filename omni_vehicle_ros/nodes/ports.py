@@ -28,13 +28,19 @@ def publisher_profile(qos: Qos) -> QoSProfile:
     )
 
 
-def subscription_profile(qos: Qos, *, depth: int | None = None, latched: bool = False) -> QoSProfile:
+def subscription_profile(
+    qos: Qos, *, depth: int | None = None, latched: bool = False, reliable: bool = True
+) -> QoSProfile:
     """Return the profile of a subscription.
 
     It asks for volatile messages unless ``latched``: a latched subscription would refuse the publishers
-    of ``ros2 topic pub`` and the like, which are volatile.
+    of ``ros2 topic pub`` and the like, which are volatile. One that is not ``reliable`` spares the publisher to
+    keep account of it, and never waits for a lost message with the next one at hand.
     """
-    return publisher_profile(Qos(depth or qos.depth, latched))
+    profile = publisher_profile(Qos(depth or qos.depth, latched))
+    if not reliable:
+        profile.reliability = ReliabilityPolicy.BEST_EFFORT
+    return profile
 
 
 def publish_on(node: Node, topic: Topic, namespace: str) -> Publisher:
@@ -52,9 +58,10 @@ def subscribe_to(
     *,
     depth: int | None = None,
     latched: bool = False,
+    reliable: bool = True,
 ) -> Subscription:
     """Make a subscription that hands over the bytes of each message."""
-    profile = subscription_profile(topic.qos, depth=depth, latched=latched)
+    profile = subscription_profile(topic.qos, depth=depth, latched=latched, reliable=reliable)
     return node.create_subscription(
         message_class(topic.type), resolve(topic.name, namespace), callback, profile, raw=True
     )

@@ -19,6 +19,7 @@ from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.handshake import Handshake
 from omni_vehicle_ros.nodes.owners import Owners
 from omni_vehicle_ros.nodes.ports import publish_on, subscribe_to
+from omni_vehicle_ros.nodes.scheduling import be_punctual, work_through
 from omni_vehicle_ros.parameters import PacingParameters
 
 WARN_PERIOD = 5.0
@@ -55,8 +56,21 @@ class Shell(Node):
         self._opened = 0.0
         self.pacing = declare(self, PacingParameters)
         self.lockstep = self.pacing.pacing == 'lockstep'
+        self._schedule()
         self._inbox: deque[tuple[int, str, Value]] = deque(maxlen=INBOX)
         self._warned: dict[str, float] = {}
+
+    def _schedule(self) -> None:
+        """Choose how the kernel schedules this process: what drives goes before what only looks on."""
+        if self.lockstep:
+            work_through()
+        elif self.role not in (interface.DRIVER, interface.RECORDER):
+            refusal = be_punctual(priority := self.pacing.realtime_priority)
+            if refusal and self.role == interface.PLANT:
+                self.get_logger().warning(
+                    f'realtime_priority {priority}: {refusal}; cycles may be missed when the machine is busy. Allow it '
+                    '(ulimit -r, or rtprio in /etc/security/limits.conf), or set realtime_priority to 0'
+                )
 
     @property
     def vehicle_namespace(self) -> str:
@@ -80,7 +94,9 @@ class Shell(Node):
         self.connect()
         for row in self.topics():
             if self.subscribes(row.name) and row.name != 'ready':
-                subscribe_to(self, row, self.vehicle_namespace, self._taker(row))
+                # In real time a message that was lost is out of date before it could be sent again.
+                reliable = self.lockstep or not row.cyclic
+                subscribe_to(self, row, self.vehicle_namespace, self._taker(row), reliable=reliable)
 
     def connect(self) -> None:
         """Make the publishers of this node."""
