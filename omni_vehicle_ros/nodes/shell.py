@@ -61,16 +61,21 @@ class Shell(Node):
         self._warned: dict[str, float] = {}
 
     def _schedule(self) -> None:
-        """Choose how the kernel schedules this process: what drives goes before what only looks on."""
+        """Choose how the kernel schedules this process: what drives goes before what only looks on.
+
+        That goes before the rest of the machine: it must not be kept waiting while it holds a lock of shared memory.
+        """
         if self.lockstep:
             work_through()
-        elif self.role not in (interface.DRIVER, interface.RECORDER):
-            refusal = be_punctual(priority := self.pacing.realtime_priority)
-            if refusal and self.role == interface.PLANT:
-                self.get_logger().warning(
-                    f'realtime_priority {priority}: {refusal}; cycles may be missed when the machine is busy. Allow it '
-                    '(ulimit -r, or rtprio in /etc/security/limits.conf), or set realtime_priority to 0'
-                )
+            return
+        priority = self.pacing.realtime_priority
+        drives = self.role not in (interface.DRIVER, interface.RECORDER)
+        refusal = be_punctual(priority if drives else max(priority - 1, 0))
+        if refusal and self.role == interface.PLANT:
+            self.get_logger().warning(
+                f'realtime_priority {priority}: {refusal}; cycles may be missed when the machine is busy. Allow it '
+                '(ulimit -r, or rtprio in /etc/security/limits.conf), or set realtime_priority to 0'
+            )
 
     @property
     def vehicle_namespace(self) -> str:
