@@ -16,6 +16,7 @@ from rclpy.utilities import remove_ros_args
 from omni_vehicle_ros.bench.examples import example
 from omni_vehicle_ros.interface import NODES, PLANT, TOPICS, Topic, resolve, topic
 from omni_vehicle_ros.messages import SECOND, Diagnostics, Status, encode
+from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.ports import message_class, publisher_profile
 from omni_vehicle_ros.nodes.process import run
 
@@ -114,7 +115,7 @@ def main() -> None:
     parser.add_argument('--nodes', nargs='+', choices=NODES, required=True, help='which of them run in this process')
     options = parser.parse_args(remove_ros_args(sys.argv)[1:])
 
-    def make(context: Context) -> list[BareNode]:
+    def make(context: Context, _: Exchange) -> list[BareNode]:
         return [BareNode(role, options.all, options.namespace, context) for role in options.nodes]
 
     sys.exit(run(make, PlainExecutor))

@@ -10,6 +10,7 @@ from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.driver import Driver
 from omni_vehicle_ros.components.recorded_commands import RecordedCommands
+from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
 from omni_vehicle_ros.scenarios import load_scenario
@@ -20,8 +21,8 @@ PROGRESS_PERIOD = 0.1
 class DriverNode(Shell):
     """Says what the scenario or the bag says, when it says it; prints the simulated time on standard output."""
 
-    def __init__(self, context: Context, namespace: str | None = None) -> None:
-        super().__init__(interface.DRIVER, context=context, namespace=namespace)
+    def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
+        super().__init__(interface.DRIVER, context=context, exchange=exchange, namespace=namespace)
         scenario = load_scenario(str(self.declare_parameter('scenario', 'demo').value))
         bag = str(self.declare_parameter('commands', '').value)
         script = RecordedCommands(Path(bag), scenario) if bag else None
@@ -40,4 +41,4 @@ class DriverNode(Shell):
 
 def main() -> None:
     """Run the node until a signal comes."""
-    sys.exit(run(lambda context: [DriverNode(context)]))
+    sys.exit(run(lambda context, exchange: [DriverNode(context, exchange)]))

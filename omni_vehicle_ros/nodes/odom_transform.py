@@ -68,4 +68,4 @@ class OdomTransform(Node):
 
 def main() -> None:
     """Run the node until a signal comes."""
-    sys.exit(run(lambda context: [OdomTransform(context)]))
+    sys.exit(run(lambda context, _: [OdomTransform(context)]))

@@ -14,6 +14,7 @@ from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import Text, Value, decode
 from omni_vehicle_ros.model.warm import warm
 from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.ports import subscribe_to
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell, StartError
@@ -34,8 +35,8 @@ LOOK_PERIOD = 0.5
 class PlantNode(Shell):
     """Moves when all modules have answered (lock step) or when it is time (real time)."""
 
-    def __init__(self, context: Context, namespace: str | None = None) -> None:
-        super().__init__(interface.PLANT, context=context, namespace=namespace)
+    def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
+        super().__init__(interface.PLANT, context=context, exchange=exchange, namespace=namespace)
         vehicle, plant = declare(self, VehicleParameters), declare(self, PlantParameters)
         self._plant = Plant(vehicle, plant, name=self.full_name, publish_clock=self.pacing.publish_clock)
         # Where nothing is compiled yet, the others wait for it now, and not in their first cycle.
@@ -151,4 +152,4 @@ class PlantNode(Shell):
 
 def main() -> None:
     """Run the node until a signal comes."""
-    sys.exit(run(lambda context: [PlantNode(context)]))
+    sys.exit(run(lambda context, exchange: [PlantNode(context, exchange)]))

@@ -20,6 +20,7 @@ from rclpy.task import Future
 
 from omni_vehicle_ros.ending import ENDING, PARENT
 from omni_vehicle_ros.errors import OmniVehicleError
+from omni_vehicle_ros.nodes.exchange import Exchange
 
 RCLError = rclpy_implementation.RCLError
 
@@ -70,7 +71,11 @@ class Stop:
         return self._parent != 0 and os.getppid() != self._parent
 
 
-def run(make: Callable[[Context], Sequence[Served]], make_executor: Callable[..., Executor] = EventsExecutor) -> int:
+Make = Callable[[Context, Exchange], Sequence[Served]]
+"""Makes the nodes of a process."""
+
+
+def run(make: Make, make_executor: Callable[..., Executor] = EventsExecutor) -> int:
     """Make nodes and serve them until one has finished or a signal comes; return the exit code."""
     stop = Stop()
     context = Context()
@@ -88,18 +93,16 @@ def run(make: Callable[[Context], Sequence[Served]], make_executor: Callable[...
     return 0
 
 
-def _live(
-    make: Callable[[Context], Sequence[Served]], make_executor: Callable[..., Executor], context: Context, stop: Stop
-) -> None:
+def _live(make: Make, make_executor: Callable[..., Executor], context: Context, stop: Stop) -> None:
     """Make the nodes, serve them, and end them whatever happened."""
-    executor = make_executor(context=context)
+    executor, exchange = make_executor(context=context), Exchange()
     nodes: Sequence[Served] = ()
     try:
-        nodes = make(context)
+        nodes = make(context, exchange)
         for node in nodes:
             executor.add_node(node)
         spare_garbage_collection()
-        serve(executor, nodes, stop)
+        serve(executor, exchange, nodes, stop)
     finally:
         for number in ENDING:
             signal.signal(number, signal.SIG_IGN)
@@ -129,12 +132,16 @@ class Taking:
         self._executor = executor
         self._end = Future()
         # An executor looks at its time-out only when no message waits, and in lock step one always may.
-        node.create_timer(LOOK_PERIOD, lambda: self._end.set_result(None))
+        node.create_timer(LOOK_PERIOD, self.end)
 
     def take(self, timeout: float) -> None:
         """Take messages until none waits and ``timeout`` [s] is over, but not much longer than `LOOK_PERIOD`."""
         self._end = Future()
         self._executor.spin_until_future_complete(self._end, timeout_sec=timeout)
+
+    def end(self) -> None:
+        """Come to an end with the message that is being taken."""
+        self._end.set_result(None)
 
 
 def spare_garbage_collection() -> None:
@@ -144,15 +151,21 @@ def spare_garbage_collection() -> None:
     gc.set_threshold(GARBAGE)
 
 
-def serve(executor: Executor, nodes: Sequence[Served], stop: Stop) -> None:
-    """Take messages and poll the nodes until one has finished; every wait is finite."""
+def serve(executor: Executor, exchange: Exchange, nodes: Sequence[Served], stop: Stop) -> None:
+    """Take messages and poll the nodes until one has finished; every wait is finite.
+
+    Nodes that answer each other through the exchange may never come to an end: DDS has its turn at each poll, too.
+    """
     taking, due = Taking(executor, nodes[0]), 0.0
+    exchange.wake = taking.end
     while not stop.asked:
         now = time.monotonic()
         if now >= due:
             for node in nodes:
                 node.poll()
+            exchange.look()
             if stop.orphaned() or any(node.finished for node in nodes):
                 return
             due = now + min(node.wait() for node in nodes)
-        taking.take(max(due - now, 0.0))
+        exchange.deliver(due)
+        taking.take(0.0 if exchange.waits else max(due - time.monotonic(), 0.0))

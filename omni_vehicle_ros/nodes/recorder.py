@@ -14,6 +14,7 @@ from omni_vehicle_ros.control.health import ERROR
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.messages import Diagnostics, Status
 from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell, StartError
 from omni_vehicle_ros.nodes.topic_recording import TopicRecording
@@ -48,8 +49,8 @@ class Recording(Protocol):
 class RecorderNode(Shell):
     """Owns the bag: makes it, flushes it, closes it, and says how that went."""
 
-    def __init__(self, context: Context, namespace: str | None = None) -> None:
-        super().__init__(interface.RECORDER, context=context, namespace=namespace)
+    def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
+        super().__init__(interface.RECORDER, context=context, exchange=exchange, namespace=namespace)
         settings = declare(self, RecorderParameters)
         if settings.chooses and self.lockstep:
             raise StartError('topics, regex and all need pacing realtime: in lock step the vehicle is recorded')
@@ -143,4 +144,4 @@ def make_sink(settings: RecorderParameters) -> BagWriter | SnapshotBuffer:
 
 def main() -> None:
     """Run the node until the scenario is over or a signal comes."""
-    sys.exit(run(lambda context: [RecorderNode(context)]))
+    sys.exit(run(lambda context, exchange: [RecorderNode(context, exchange)]))

@@ -266,4 +266,4 @@ def _profile(offer: OfferedQos) -> QoSProfile:
 
 def play(replay: Replay) -> int:
     """Replay a bag to its end or until a signal comes; return the exit code."""
-    return run(lambda context: [ReplayNode(context, replay)])
+    return run(lambda context, _: [ReplayNode(context, replay)])

@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Callable
+from functools import partial
 from operator import itemgetter
 
 from rclpy.context import Context
@@ -14,8 +14,9 @@ from omni_vehicle_ros.components.component import Component, Output
 from omni_vehicle_ros.components.gate import Gate
 from omni_vehicle_ros.control.health import OK, WARN
 from omni_vehicle_ros.errors import MessageError, OmniVehicleError
-from omni_vehicle_ros.messages import Diagnostics, Status, Step, Text, Value, decode, encode
+from omni_vehicle_ros.messages import Diagnostics, Status, Step, Text, Value, decode
 from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.handshake import Handshake
 from omni_vehicle_ros.nodes.owners import Owners
 from omni_vehicle_ros.nodes.ports import publish_on, subscribe_to
@@ -45,11 +46,14 @@ class Shell(Node):
         The ROS context it lives in.
     namespace
         Namespace of the node; None takes it from the command line.
+    exchange
+        Of the process.
     """
 
-    def __init__(self, role: str, *, context: Context, namespace: str | None = None) -> None:
+    def __init__(self, role: str, *, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(role.split('/')[-1], context=context, namespace=namespace)
         self.role = role
+        self.exchange = exchange
         self.finished = False
         self.gate = Gate(())
         self.now = 0
@@ -99,14 +103,12 @@ class Shell(Node):
         self.connect()
         for row in self.topics():
             if self.subscribes(row.name) and row.name != 'ready':
-                # In real time a message that was lost is out of date before it could be sent again.
-                reliable = self.lockstep or not row.cyclic
-                subscribe_to(self, row, self.vehicle_namespace, self._taker(row), reliable=reliable)
+                self._subscribe(row)
 
     def connect(self) -> None:
         """Make the publishers of this node."""
         self.open_ports([row for row in self.topics() if self.publishes(row.name)])
-        publishers = self._topic_publishers.values()
+        publishers = [outlet.publisher for outlet in self._outlets.values()]
         self._handshake = Handshake(
             self, self.role, self.vehicle_namespace, self.topics(), self.pacing.participants, publishers
         )
@@ -115,10 +117,8 @@ class Shell(Node):
 
     def open_ports(self, rows: list[interface.Topic]) -> None:
         """Make the publishers of some topics."""
-        self._topic_publishers = {row.name: publish_on(self, row, self.vehicle_namespace) for row in rows}
-        self._ports = {
-            name: (publisher.handle.publish_raw, interface.topic(name).type)
-            for name, publisher in self._topic_publishers.items()
+        self._outlets = {
+            row.name: self.exchange.add_publisher(publish_on(self, row, self.vehicle_namespace), row) for row in rows
         }
 
     def topics(self) -> list[interface.Topic]:
@@ -133,11 +133,11 @@ class Shell(Node):
         """Whether this node subscribes to ``topic``."""
         return self.role in interface.topic(topic).subscribers
 
-    def _taker(self, row: interface.Topic) -> Callable[[bytes], None]:
-        """Return the callback of one subscription."""
+    def _subscribe(self, row: interface.Topic) -> None:
+        """Take the messages of a topic, over DDS and from the nodes of this process."""
         name, type_name = row.name, row.type
 
-        def take(data: bytes) -> None:
+        def hear(data: bytes) -> None:
             try:
                 value = decode(type_name, data)
             except MessageError as error:
@@ -145,7 +145,10 @@ class Shell(Node):
                 return
             self.take(name, value)
 
-        return take
+        # In real time a message that was lost is out of date before it could be sent again.
+        reliable = self.lockstep or not row.cyclic
+        subscription = subscribe_to(self, row, self.vehicle_namespace, hear, reliable=reliable)
+        self.exchange.add_subscription(subscription, hear, partial(self.take, name))
 
     def take(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to, and act when that is complete."""
@@ -188,16 +191,16 @@ class Shell(Node):
 
     def say(self, topic: str, value: Value | Text) -> None:
         """Publish one message."""
-        publish, type_name = self._ports[topic]
-        publish(encode(type_name, value))
+        self._outlets[topic].say(value)
 
     def await_heard(self, topic: str) -> None:
         """Wait a little until those who listen to ``topic`` have what was published on it."""
-        self._topic_publishers[topic].wait_for_all_acked(Duration(seconds=0.5))
+        self._outlets[topic].publisher.wait_for_all_acked(Duration(seconds=0.5))
 
     def poll(self) -> None:
         """Do what no message calls for: handshake, a look round, and the end of a wait that takes too long."""
         if not self._handshake.done and self._handshake.complete():
+            self.exchange.look()
             self.say('ready', Text(self.role))
         if self._owners.look():
             self._say_strangers(self._owners.strangers)

@@ -10,6 +10,7 @@ from omni_vehicle_ros.components.side_slip_controller import SideSlipController
 from omni_vehicle_ros.control.loop_check import check_gains
 from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.nodes.declare import declare, on_change
+from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
 from omni_vehicle_ros.parameters import (
@@ -29,8 +30,8 @@ ACTUATORS = ('ideal_actuators', 'steer_delay', 'steer_time_constant', 'drive_tim
 class SideSlipControllerNode(Shell):
     """What the vehicle does and should do in, trims of steering and drive out."""
 
-    def __init__(self, context: Context, namespace: str | None = None) -> None:
-        super().__init__(interface.SIDE_SLIP_CONTROLLER, context=context, namespace=namespace)
+    def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
+        super().__init__(interface.SIDE_SLIP_CONTROLLER, context=context, exchange=exchange, namespace=namespace)
         vehicle = declare(self, VehicleParameters)
         parameters = declare(self, SideSlipParameters, only=FIXED)
         names = tuple(name for name in parameters.as_dict() if name not in FIXED)
@@ -57,4 +58,4 @@ class SideSlipControllerNode(Shell):
 
 def main() -> None:
     """Run the node until a signal comes."""
-    sys.exit(run(lambda context: [SideSlipControllerNode(context)]))
+    sys.exit(run(lambda context, exchange: [SideSlipControllerNode(context, exchange)]))

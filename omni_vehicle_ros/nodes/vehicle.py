@@ -9,6 +9,7 @@ from rclpy.utilities import remove_ros_args
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.nodes.driver import DriverNode
+from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.icr_steering import IcrSteeringNode
 from omni_vehicle_ros.nodes.plant import PlantNode
 from omni_vehicle_ros.nodes.process import run
@@ -17,7 +18,7 @@ from omni_vehicle_ros.nodes.shell import Shell
 from omni_vehicle_ros.nodes.side_slip_controller import SideSlipControllerNode
 from omni_vehicle_ros.nodes.wheel_module import WheelModuleNode
 
-MAKERS: dict[str, Callable[[Context, str], Shell]] = {
+MAKERS: dict[str, Callable[[Context, Exchange, str], Shell]] = {
     interface.PLANT: PlantNode,
     interface.ICR_STEERING: IcrSteeringNode,
     interface.SIDE_SLIP_CONTROLLER: SideSlipControllerNode,
@@ -27,12 +28,12 @@ MAKERS: dict[str, Callable[[Context, str], Shell]] = {
 }
 
 
-def make(context: Context, roles: list[str], namespace: str) -> list[Shell]:
+def make(context: Context, exchange: Exchange, roles: list[str], namespace: str) -> list[Shell]:
     """Make the nodes of ``roles`` in the namespace of a vehicle."""
     nodes = []
     for role in roles:
         wheel = role.split('/')[0] if '/' in role else ''
-        nodes.append(MAKERS[role](context, interface.resolve(wheel, namespace)))
+        nodes.append(MAKERS[role](context, exchange, interface.resolve(wheel, namespace)))
     return nodes
 
 
@@ -43,4 +44,4 @@ def main() -> None:
     parser.add_argument('--namespace', default='', help='namespace of the vehicle')
     parser.add_argument('--nodes', nargs='+', choices=interface.NODES, default=vehicle, help='which nodes')
     options = parser.parse_args(remove_ros_args(sys.argv)[1:])
-    sys.exit(run(lambda context: make(context, options.nodes, options.namespace)))
+    sys.exit(run(lambda context, exchange: make(context, exchange, options.nodes, options.namespace)))

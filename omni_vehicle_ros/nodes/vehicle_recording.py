@@ -52,7 +52,10 @@ class VehicleRecording:
         self._reported = 0
         for row in node.topics():
             if row.recorded:
-                subscribe_to(node, row, node.vehicle_namespace, self._taker(row), depth=DEPTH)
+                take = self._taker(row)
+                node.exchange.add_subscription(
+                    subscribe_to(node, row, node.vehicle_namespace, take, depth=DEPTH), take, None
+                )
 
     def _taker(self, row: interface.Topic) -> Callable[[bytes], None]:
         name, type_name = row.name, row.type

@@ -9,6 +9,7 @@ from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.wheel_module import WheelModule
 from omni_vehicle_ros.errors import ParameterError
 from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
 from omni_vehicle_ros.parameters import PlantParameters, SideSlipParameters, WheelModuleParameters
@@ -18,8 +19,8 @@ from omni_vehicle_ros.wheels import WHEELS
 class WheelModuleNode(Shell):
     """Set-points and trims in, what the actuators of one wheel do out."""
 
-    def __init__(self, context: Context, namespace: str | None = None) -> None:
-        super().__init__('wheel_module', context=context, namespace=namespace)
+    def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
+        super().__init__('wheel_module', context=context, exchange=exchange, namespace=namespace)
         wheel = wheel_of(self)
         self.role = f'{wheel}/wheel_module'
         parameters = declare(self, WheelModuleParameters)
@@ -48,4 +49,4 @@ def wheel_of(node: Node) -> str:
 
 def main() -> None:
     """Run the node until a signal comes."""
-    sys.exit(run(lambda context: [WheelModuleNode(context)]))
+    sys.exit(run(lambda context, exchange: [WheelModuleNode(context, exchange)]))
