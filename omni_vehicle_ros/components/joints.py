@@ -7,6 +7,7 @@ from omni_vehicle_ros.messages import Joints
 from omni_vehicle_ros.wheels import WHEELS, PerWheel, drive_joint, steer_joint
 
 JOINT_NAMES = tuple(steer_joint(wheel) for wheel in WHEELS) + tuple(drive_joint(wheel) for wheel in WHEELS)
+MODULE_NAMES: dict[str, tuple[str, str]] = {wheel: (steer_joint(wheel), drive_joint(wheel)) for wheel in WHEELS}
 ZEROS: PerWheel = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -64,5 +65,4 @@ def _sorted(value: Joints) -> Joints:
 
 def module_joints(wheel: str, stamp: int, steer: tuple[float, float], drive: tuple[float, float]) -> Joints:
     """Return the message of one module from steer (angle, rate) and drive (wheel speed, torque)."""
-    names = (steer_joint(wheel), drive_joint(wheel))
-    return Joints(stamp, names, (steer[0], 0.0), (steer[1], drive[0]), (0.0, drive[1]))
+    return Joints(stamp, MODULE_NAMES[wheel], (steer[0], 0.0), (steer[1], drive[0]), (0.0, drive[1]))

@@ -16,16 +16,24 @@ from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 START_UP = 2_000_000_000
 """Simulated time until every module must have answered once [ns]."""
 
-ACTUATOR_LIMITS = (6.3, 1000.0, 1e6)
-"""No steer angle [rad], rate [rad/s] or torque [N m] of a sane module is beyond these."""
-
-
 class _Actuators(NamedTuple):
     """What one module said that it does: steer angle [rad], rate [rad/s], drive torque [N m]."""
 
     angle: float = 0.0
     rate: float = 0.0
     torque: float = 0.0
+
+
+ACTUATOR_LIMITS = _Actuators(6.3, 1000.0, 1e6)
+"""No sane module is beyond these."""
+
+
+def _insanity(actuators: _Actuators) -> str:
+    """Say what no sane module does."""
+    if not all(map(math.isfinite, actuators)):
+        return f' is not finite: {tuple(actuators)}'
+    compared = zip(_Actuators._fields, actuators, ACTUATOR_LIMITS, strict=True)
+    return next(f': {name} {number:g} is beyond {most:g}' for name, number, most in compared if abs(number) > most)
 
 
 class Plant:
@@ -79,8 +87,8 @@ class Plant:
         """Take a state of a module, an environment, or the end of the scenario."""
         if isinstance(value, Step):
             self.end = value.end if topic == 'driver/step' else self.end
-        elif topic in self.sources and isinstance(value, Joints):
-            self._take_actuators(self.sources.index(topic), value)
+        elif topic in _WHEEL_OF and isinstance(value, Joints):
+            self._take_actuators(_WHEEL_OF[topic], value)
         elif topic.startswith('environment/') and isinstance(value, Joints | Vector):
             self._take_environment(topic, value)
 
@@ -91,15 +99,13 @@ class Plant:
             )
             return
         actuators = _Actuators(value.position[0], value.velocity[0], value.effort[1])
-        if not all(map(math.isfinite, actuators)):
-            self._rejected = f'{WHEELS[wheel]}/state is not finite: {tuple(actuators)}; the last one is kept'
-            return
-        for name, number, limit in zip(_Actuators._fields, actuators, ACTUATOR_LIMITS, strict=True):
-            if abs(number) > limit:
-                self._rejected = f'{WHEELS[wheel]}/state: {name} {number:g} is beyond {limit:g}; the last one is kept'
-                return
-        self._actuators[wheel] = actuators
-        self._heard.add(self.sources[wheel])
+        angle, rate, torque = map(abs, actuators)
+        most = ACTUATOR_LIMITS
+        if angle <= most.angle and rate <= most.rate and torque <= most.torque:
+            self._actuators[wheel] = actuators
+            self._heard.add(self.sources[wheel])
+        else:
+            self._rejected = f'{WHEELS[wheel]}/state{_insanity(actuators)}; the last one is kept'
 
     def _take_environment(self, topic: str, value: Joints | Vector) -> None:
         try:
@@ -204,6 +210,9 @@ class Plant:
         if lifted:
             notes.append((WARN, f'rollover warning: no load on {", ".join(lifted)}'))
         return health(notes, 'driving')
+
+
+_WHEEL_OF = {topic: wheel for wheel, topic in enumerate(Plant.sources)}
 
 
 def changed_environment(environment: Environment, topic: str, value: Value) -> Environment:

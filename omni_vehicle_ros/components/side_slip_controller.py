@@ -1,5 +1,7 @@
 """The side-slip controller: what the vehicle does and should do in, trims of steering and drive out."""
 
+from typing import Any
+
 from omni_vehicle_ros.components.component import ERROR, Output, Reporter
 from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
 from omni_vehicle_ros.control.controllers import make_controller
@@ -33,6 +35,7 @@ class SideSlipController:
         self._vehicle = vehicle
         self._law = make_controller(parameters, vehicle)
         self._sensed = Sensed()
+        self._fresh: dict[str, Any] = {}
         self._blind = False
         self._reporter = Reporter(name)
 
@@ -42,26 +45,25 @@ class SideSlipController:
 
     def receive(self, topic: str, value: Value, now: int) -> None:
         """Take what was measured or commanded; side slips that are missing count as no number."""
-        sensed = self._sensed
+        fresh = self._fresh
         if isinstance(value, Odometry):
-            sensed = sensed._replace(twist=kinematics.Twist(value.vx, value.vy, value.yaw_rate))
+            fresh['twist'] = kinematics.Twist(value.vx, value.vy, value.yaw_rate)
         elif isinstance(value, Imu):
-            sensed = sensed._replace(lateral_acceleration=value.ay)
+            fresh['lateral_acceleration'] = value.ay
         elif isinstance(value, Twist):
-            sensed = sensed._replace(commanded=kinematics.Twist(value.vx, value.vy, value.yaw_rate))
+            fresh['commanded'] = kinematics.Twist(value.vx, value.vy, value.yaw_rate)
         elif isinstance(value, Joints) and topic == 'joint_states':
             joints = vehicle_joints(value)
             self._blind = joints is None
             if joints is not None:
-                sensed = sensed._replace(steer_angle=joints.steer_angle, drive_torque=joints.torque)
+                fresh['steer_angle'], fresh['drive_torque'] = joints.steer_angle, joints.torque
         elif isinstance(value, Joints):
-            sensed = sensed._replace(
-                side_slip=_by_wheel(value.names, value.position), wheel_speed=_by_wheel(value.names, value.velocity)
-            )
-        self._sensed = sensed
+            fresh['side_slip'] = _by_wheel(value.names, value.position)
+            fresh['wheel_speed'] = _by_wheel(value.names, value.velocity)
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the trims that belong to ``stamp`` [ns]."""
+        self._sensed = self._sensed._replace(**self._fresh)
         trims = self._law.update(stamp, self._sensed)
         state = self._law.status
         if self._blind:

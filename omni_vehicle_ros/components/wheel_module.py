@@ -45,8 +45,8 @@ class WheelModule:
     ) -> None:
         self.name = name or f'/{wheel}/wheel_module'
         self.wheel = wheel
-        command, trim = f'{wheel}/command', f'{wheel}/trim'
-        self.sources: tuple[str, ...] = (command, trim) if trimmed else (command,)
+        self._command, trim = f'{wheel}/command', f'{wheel}/trim'
+        self.sources: tuple[str, ...] = (self._command, trim) if trimmed else (self._command,)
         self._index = WHEELS.index(wheel)
         self._law = Law(parameters, control_period, trim_limit)
         self._begun: int | None = None
@@ -63,9 +63,9 @@ class WheelModule:
             joints = vehicle_joints(value)
             if joints is not None:
                 self._wheel_speed = joints.wheel_speed[self._index]
-        elif (len(value.position), len(value.velocity), len(value.effort)) != (2, 2, 2):
+        elif not len(value.position) == len(value.velocity) == len(value.effort) == 2:
             self._malformed = f'{topic} needs position, velocity and effort of steer and drive; the last one is kept'
-        elif topic.endswith('/command'):
+        elif topic == self._command:
             self._law.command(Setpoint(value.stamp, value.position[0], value.velocity[1], value.effort[1]))
         else:
             self._awaits_trim = False

@@ -44,6 +44,8 @@ class Health(NamedTuple):
 
     def with_notes(self, *notes: Note) -> 'Health':
         """Return the state with more that is wrong."""
+        if not notes:
+            return self
         wrong = [note for note in self.notes if note[0] > OK]
         return health([*wrong, *notes], self.notes[0][1], self.values)
 

@@ -1,8 +1,8 @@
 """Hands messages over from node to node of one process, where nobody outside it listens.
 
-Each node has all its publishers and subscriptions on Fast DDS. But encoding a message, sending it and decoding it
-costs many times what most nodes do with it. So a publisher whose only subscriptions are those of this process hands
-the value over, which is immutable, and publishes nothing; as soon as anybody else listens, all hear it over DDS.
+Each node has all its publishers and subscriptions on Fast DDS. But to encode a message, send it and decode it takes
+longer than most nodes need to answer it. So a publisher to which only nodes of this process listen hands the value
+over, which is immutable, and publishes nothing; as soon as anybody else listens, all hear it over DDS.
 """
 
 import time
@@ -17,73 +17,86 @@ from rclpy.subscription import Subscription
 from omni_vehicle_ros.interface import Topic
 from omni_vehicle_ros.messages import Text, Value, encode
 
-ACKNOWLEDGED = Duration(seconds=0.5)
-"""In which a subscription of the same process has what was sent to it."""
+ARRIVAL_LIMIT = Duration(seconds=0.5)
+"""In which what was published has come to the subscriptions of the same process."""
 
 Take = Callable[[Any], None]
 
 
 class Inlet(NamedTuple):
-    """One subscription of this process."""
+    """One subscription of this process.
+
+    Attributes
+    ----------
+    subscription
+        On DDS.
+    hear
+        Takes the bytes of a message; also of one that is handed over, if there is no ``take``.
+    take
+        Takes the value of a message that is handed over.
+    """
 
     subscription: Subscription
     hear: Callable[[bytes], None]
-    """Takes a message that came over DDS."""
-    take: Callable[[Value], None] | None
-    """Takes a value that is handed over; None to have it as bytes, too."""
+    take: Callable[[Value], None] | None = None
 
 
 class Outlet:
-    """What one publisher says, over DDS or to the nodes of this process only.
+    """What is said by one publisher, over DDS or to the nodes of this process only.
 
     Parameters
     ----------
     publisher
-        Of the topic.
+        On DDS.
     type_name
-        Of the messages.
+        Of its messages.
     inlets
-        The subscriptions of this process to the topic; those that are added later count, too.
+        Of its topic; those that are added later count, too.
     hand_over
-        Called with whom a message is for, and the message.
+        Called with some of those who take a message, and the message.
 
     Attributes
     ----------
     publisher
         As given.
-    local
-        Whether messages are handed over, and not published.
     """
 
     def __init__(
-        self, publisher: Publisher, type_name: str, inlets: list[Inlet], hand_over: Callable[[Take, Any], None]
+        self, publisher: Publisher, type_name: str, inlets: list[Inlet], hand_over: Callable[[list[Take], Any], None]
     ) -> None:
         self.publisher = publisher
-        self.local = False
         self._publish = publisher.handle.publish_raw
         self._type_name, self._inlets, self._hand_over = type_name, inlets, hand_over
+        self._local = False
+        self._of_values: list[Take] = []
+        self._of_bytes: list[Take] = []
 
     def say(self, value: Value | Text) -> None:
         """Publish a message, or hand it over."""
-        if not self.local:
+        if not self._local:
             self._publish(encode(self._type_name, value))
             return
-        data = None
-        for inlet in self._inlets:
-            if inlet.take is not None:
-                self._hand_over(inlet.take, value)
-            else:
-                data = data or encode(self._type_name, value)
-                self._hand_over(inlet.hear, data)
+        if self._of_values:
+            self._hand_over(self._of_values, value)
+        if self._of_bytes:
+            self._hand_over(self._of_bytes, encode(self._type_name, value))
 
-    def unheard_outside(self) -> bool:
-        """Whether all who listen are in this process, and connected."""
-        return bool(self.publisher.get_subscription_count() == len(self._inlets))
+    def look(self) -> bool:
+        """See who listens, and go the right way; return whether messages were handed over until now, and no more."""
+        local = self.publisher.get_subscription_count() == len(self._inlets)
+        if local and not self._local:
+            self._go_local()
+        elif self._local and not local:
+            self._local = False
+            return True
+        return False
 
-    def go_local(self) -> None:
-        """Hand over from now on; what was published before is taken first."""
-        self.local = self.publisher.wait_for_all_acked(ACKNOWLEDGED)
-        if self.local:
+    def _go_local(self) -> None:
+        """Hand over from now on. What was published before is taken first: no message overtakes another."""
+        self._local = self.publisher.wait_for_all_acked(ARRIVAL_LIMIT)
+        if self._local:
+            self._of_values = [inlet.take for inlet in self._inlets if inlet.take is not None]
+            self._of_bytes = [inlet.hear for inlet in self._inlets if inlet.take is None]
             for subscription, hear, _ in self._inlets:
                 while (found := subscription.handle.take_message(subscription.msg_type, True)) is not None:
                     hear(found[0])
@@ -104,13 +117,11 @@ class Exchange:
         self._outlets: list[Outlet] = []
         self._queue: deque[tuple[Take, Any]] = deque()
 
-    def add_subscription(
-        self, subscription: Subscription, hear: Callable[[bytes], None], take: Callable[[Value], None] | None
-    ) -> None:
-        """Announce a subscription; see `Inlet`."""
-        self._inlets.setdefault(subscription.topic_name, []).append(Inlet(subscription, hear, take))
+    def add_inlet(self, inlet: Inlet) -> None:
+        """Announce a subscription."""
+        self._inlets.setdefault(inlet.subscription.topic_name, []).append(inlet)
 
-    def add_publisher(self, publisher: Publisher, topic: Topic) -> Outlet:
+    def outlet(self, publisher: Publisher, topic: Topic) -> Outlet:
         """Return what to say the messages of a publisher to; latched ones always go over DDS, which keeps them."""
         inlets = self._inlets.setdefault(publisher.topic_name, [])
         outlet = Outlet(publisher, topic.type, inlets, self._hand_over)
@@ -119,34 +130,32 @@ class Exchange:
         return outlet
 
     def look(self) -> None:
-        """See who listens, and let each publisher go the right way; on each topic the order stays as it was."""
+        """See who listens to what; to be called in a while again, and never by who takes a message."""
         for outlet in self._outlets:
-            unheard = outlet.unheard_outside()
-            if unheard and not outlet.local:
-                outlet.go_local()
-            elif outlet.local and not unheard:
-                outlet.local = False
-                for _ in range(len(self._queue)):
-                    self._deliver_first()
+            if outlet.look():
+                # What waits was said before anything that goes over DDS from now on.
+                self._deliver(len(self._queue))
 
     def deliver(self, until: float) -> None:
         """Hand over what waits, and what is said meanwhile, until nothing waits or it is ``until`` [s]."""
         while self._queue and time.monotonic() < until:
-            self._deliver_first()
+            self._deliver(len(self._queue))
 
     @property
     def waits(self) -> bool:
         """Whether there is something to deliver."""
         return bool(self._queue)
 
-    def _hand_over(self, take: Take, said: Any) -> None:
+    def _hand_over(self, takers: list[Take], said: Any) -> None:
         """Let a message wait: who speaks comes to an end before others answer."""
         if not self._queue:
             self.wake()
-        self._queue.append((take, said))
+        for take in takers:
+            self._queue.append((take, said))
 
-    def _deliver_first(self) -> None:
-        """Hand over the first message; it waits until it was taken, so that an answer to it wakes nobody."""
-        take, said = self._queue[0]
-        take(said)
-        self._queue.popleft()
+    def _deliver(self, count: int) -> None:
+        queue = self._queue
+        for _ in range(count):
+            take, said = queue[0]
+            take(said)
+            queue.popleft()  # not before: an answer to the last one that waits need not wake anybody

@@ -49,7 +49,7 @@ class PlantNode(Shell):
         self._begun = False
         self._made = self._due = time.monotonic()
         self._looked = 0.0
-        self._recorded = 0
+        self._recorded, self._window = 0, RECORDER_WINDOW * self._plant.period
         self._recorder_lost = interface.RECORDER not in self.pacing.participants
         self.attach(self._plant)
         subscribe_to(self, interface.topic('ready'), self.vehicle_namespace, self._note_ready, latched=True)
@@ -69,16 +69,14 @@ class PlantNode(Shell):
             self._recorder_lost = False
             self.act()
             return
-        if topic in self._states:
+        if not self.lockstep and topic in self._states:
             self._states[topic] = max(self._states[topic], min(value.stamp, self.now))
-            if not self.lockstep:
-                self._punctuality.answer(topic, value.stamp, time.monotonic())
+            self._punctuality.answer(topic, value.stamp, time.monotonic())
         super().take(topic, value)
 
     def act(self) -> None:
         """In lock step, move as soon as the cycle is complete and the recorder is not far behind."""
-        ahead = self.now - self._recorded > RECORDER_WINDOW * self._plant.period
-        if self.lockstep and self._begun and (self._recorder_lost or not ahead):
+        if self.lockstep and self._begun and (self._recorder_lost or self.now - self._recorded <= self._window):
             super().act()
 
     def publish(self, outputs: list[Output]) -> None:

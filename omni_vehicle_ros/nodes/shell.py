@@ -16,7 +16,7 @@ from omni_vehicle_ros.control.health import OK, WARN
 from omni_vehicle_ros.errors import MessageError, OmniVehicleError
 from omni_vehicle_ros.messages import Diagnostics, Status, Step, Text, Value, decode
 from omni_vehicle_ros.nodes.declare import declare
-from omni_vehicle_ros.nodes.exchange import Exchange
+from omni_vehicle_ros.nodes.exchange import Exchange, Inlet
 from omni_vehicle_ros.nodes.handshake import Handshake
 from omni_vehicle_ros.nodes.owners import Owners
 from omni_vehicle_ros.nodes.ports import publish_on, subscribe_to
@@ -118,7 +118,7 @@ class Shell(Node):
     def open_ports(self, rows: list[interface.Topic]) -> None:
         """Make the publishers of some topics."""
         self._outlets = {
-            row.name: self.exchange.add_publisher(publish_on(self, row, self.vehicle_namespace), row) for row in rows
+            row.name: self.exchange.outlet(publish_on(self, row, self.vehicle_namespace), row) for row in rows
         }
 
     def topics(self) -> list[interface.Topic]:
@@ -148,7 +148,7 @@ class Shell(Node):
         # In real time a message that was lost is out of date before it could be sent again.
         reliable = self.lockstep or not row.cyclic
         subscription = subscribe_to(self, row, self.vehicle_namespace, hear, reliable=reliable)
-        self.exchange.add_subscription(subscription, hear, partial(self.take, name))
+        self.exchange.add_inlet(Inlet(subscription, hear, partial(self.take, name)))
 
     def take(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to, and act when that is complete."""
@@ -187,7 +187,7 @@ class Shell(Node):
     def publish(self, outputs: list[Output]) -> None:
         """Publish what a component has to say."""
         for topic, value in outputs:
-            self.say(topic, value)
+            self._outlets[topic].say(value)
 
     def say(self, topic: str, value: Value | Text) -> None:
         """Publish one message."""

@@ -11,6 +11,7 @@ from omni_vehicle_ros.control.health import Health, health
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.messages import Step, decode
 from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.exchange import Inlet
 from omni_vehicle_ros.nodes.ports import subscribe_to
 from omni_vehicle_ros.nodes.shell import Shell
 from omni_vehicle_ros.parameters import PlantParameters
@@ -53,9 +54,8 @@ class VehicleRecording:
         for row in node.topics():
             if row.recorded:
                 take = self._taker(row)
-                node.exchange.add_subscription(
-                    subscribe_to(node, row, node.vehicle_namespace, take, depth=DEPTH), take, None
-                )
+                subscription = subscribe_to(node, row, node.vehicle_namespace, take, depth=DEPTH)
+                node.exchange.add_inlet(Inlet(subscription, take))
 
     def _taker(self, row: interface.Topic) -> Callable[[bytes], None]:
         name, type_name = row.name, row.type
