@@ -66,6 +66,7 @@ class BagWriter:
         self.count = 0
         self._compression = compression
         self._split_size, self._split_time = split_size, split_time
+        self._splits = bool(split_size or split_time)
         self._topics: dict[str, TopicRecord] = {}
         self._definitions: dict[str, str] = {}
         self._counts: dict[str, int] = {}
@@ -136,7 +137,7 @@ class BagWriter:
         if not (0 <= log_time_ns < 2**63 and 0 <= published < 2**63):
             raise BagError(f'topic {name}: the times {log_time_ns} and {published} ns must be within 0 .. 2^63 - 1')
         try:
-            if self._file_is_full(log_time_ns):
+            if self._splits and self._file_is_full(log_time_ns):
                 self._split()
             self._file.write(name, data, log_time_ns, published, count)
         except OSError as error:

@@ -9,7 +9,8 @@ MAGIC = b'\x89MCAP0\r\n'
 LARGEST_CHUNK = 2**30
 """Size of a chunk, uncompressed, or of any record above which it is taken for damage [byte]."""
 
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 2, 3, 4, 5, 6
+FILE_HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = 1, 2, 3, 4, 5, 6, 7, 8
+ATTACHMENT, ATTACHMENT_INDEX, STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = 9, 10, 11, 12, 13, 14, 15
 
 RECORD = struct.Struct('<BQ')
 """Kind and length of a record, before its content."""

@@ -1,17 +1,16 @@
 """One MCAP file made of what was saved of another: schemas, channels, times and bytes as they were."""
 
 from collections.abc import Mapping
-from typing import IO, Any
+from pathlib import Path
+from typing import Any
 
-from mcap.writer import Writer
-
-from omni_vehicle_ros import __version__
 from omni_vehicle_ros.bags.mcap.definitions import Attachment
-from omni_vehicle_ros.bags.metadata import as_yaml
+from omni_vehicle_ros.bags.mcap.file_writer import BAG_RECORD, bag_record
+from omni_vehicle_ros.bags.mcap.writer import McapWriter
 from omni_vehicle_ros.bags.repair.salvage import Salvage, Saved, SavedMessage
 
-BAG_RECORD = 'rosbag2'
-"""Name of the metadata record with the metadata of the bag, which is made anew."""
+CHUNK_SIZE = 2**20
+"""Nobody waits for these messages, and larger chunks are packed tighter [byte]."""
 
 
 class RebuiltFile:
@@ -19,50 +18,54 @@ class RebuiltFile:
 
     Parameters
     ----------
-    stream
-        Where to.
+    path
+        Of the new file.
     salvage
         Knows the definitions of what it gives.
     """
 
-    def __init__(self, stream: IO[bytes], salvage: Salvage) -> None:
+    def __init__(self, path: Path, salvage: Salvage) -> None:
+        self._path = path
         self._salvage = salvage
-        self._writer = Writer(stream, enable_data_crcs=True)
-        self._started = False
-        self._schemas: dict[int, int] = {0: 0}
-        self._channels: dict[int, int] = {}
+        self._writer: McapWriter | None = None
+        self._schemas: set[int] = set()
+        self._channels: set[int] = set()
 
     def write(self, item: Saved) -> None:
         """Write a message, an attachment or words about the file."""
-        self._start()
+        writer = self._open()
         if isinstance(item, SavedMessage):
-            channel = self._channels.get(item.channel) or self._add_channel(item.channel)
-            self._writer.add_message(channel, item.log_time, item.data, item.publish_time, item.sequence)
+            if item.channel not in self._channels:
+                self._add_channel(writer, item.channel)
+            writer.add_message(*item)
         elif isinstance(item, Attachment):
-            self._writer.add_attachment(item.create_time, item.log_time, item.name, item.media_type, item.data)
+            writer.add_attachment(item)
         elif item.name != BAG_RECORD:
-            self._writer.add_metadata(item.name, item.texts)
+            writer.add_metadata(item)
 
     def finish(self, information: Mapping[str, Any]) -> None:
         """Write the channels without messages, the metadata of the bag, index and summary."""
-        self._start()
-        for number in self._salvage.definitions.channels.keys() - self._channels.keys():
-            self._add_channel(number)
-        self._writer.add_metadata(BAG_RECORD, {'serialized_metadata': as_yaml(information)})
-        self._writer.finish()
+        writer = self._open()
+        for number in self._salvage.definitions.channels.keys() - self._channels:
+            self._add_channel(writer, number)
+        writer.add_metadata(bag_record(information))
+        writer.finish()
 
-    def _start(self) -> None:
-        if not self._started:
-            self._started = True
-            self._writer.start(self._salvage.profile, f'omni_vehicle_ros {__version__}')
+    def abandon(self) -> None:
+        """Close the file as it is, if it was begun."""
+        if self._writer is not None:
+            self._writer.abandon()
 
-    def _add_channel(self, number: int) -> int:
+    def _open(self) -> McapWriter:
+        """Begin the file with what is written first: what comes before it tells the profile."""
+        if self._writer is None:
+            self._writer = McapWriter(self._path, self._salvage.profile, 'zstd', CHUNK_SIZE)
+        return self._writer
+
+    def _add_channel(self, writer: McapWriter, number: int) -> None:
         channel = self._salvage.definitions.channels[number]
-        if channel.schema not in self._schemas:
-            schema = self._salvage.definitions.schemas[channel.schema]
-            self._schemas[channel.schema] = self._writer.register_schema(schema.name, schema.encoding, schema.data)
-        made = self._writer.register_channel(
-            channel.topic, channel.encoding, self._schemas[channel.schema], dict(channel.metadata)
-        )
-        self._channels[number] = int(made)
-        return self._channels[number]
+        if channel.schema and channel.schema not in self._schemas:
+            self._schemas.add(channel.schema)
+            writer.add_schema(channel.schema, self._salvage.definitions.schemas[channel.schema])
+        self._channels.add(number)
+        writer.add_channel(number, channel)

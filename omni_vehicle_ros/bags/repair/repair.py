@@ -88,7 +88,7 @@ def repair(path: Path | str, directory: Path | str, progress: Progress = lambda 
     """Put all that makes sense in a bag into a new one; do nothing if the bag is whole.
 
     The bag itself is only read. Of each file of it one with the same name is made. Memory is bounded by the largest
-    message, the schemas and channels, and an index entry a MiB.
+    message, and the schemas and channels.
 
     Parameters
     ----------
@@ -188,16 +188,18 @@ def _rebuild(files: tuple[Path, ...], directory: Path, metadata: FoundMetadata, 
 
 
 def _save(salvage: Salvage, target: Path, work: _Work) -> None:
-    with target.open('xb') as stream:
-        rebuilt = RebuiltFile(stream, salvage)
+    rebuilt = RebuiltFile(target, salvage)
+    try:
         for item in work.watch(salvage):
             rebuilt.write(item)
         if salvage.messages:
             contents = BagContents()
             contents.add(target.name, salvage)
             rebuilt.finish(contents.information(FoundMetadata()))
+    finally:
+        rebuilt.abandon()
     if not salvage.messages:
-        target.unlink()
+        target.unlink(missing_ok=True)
 
 
 def _file_repair(name: str, salvage: Salvage) -> FileRepair:

@@ -18,11 +18,25 @@ from omni_vehicle_ros.bags.mcap.definitions import (
     read_metadata_record,
     read_statistics,
 )
-from omni_vehicle_ros.bags.mcap.records import CHANNEL, CHUNK, FOOTER, MAGIC, MESSAGE, RECORD, SCHEMA, DamageError
+from omni_vehicle_ros.bags.mcap.records import (
+    ATTACHMENT,
+    CHANNEL,
+    CHUNK,
+    DATA_END,
+    FILE_HEADER,
+    FOOTER,
+    MAGIC,
+    MESSAGE,
+    MESSAGE_INDEX,
+    METADATA,
+    RECORD,
+    SCHEMA,
+    STATISTICS,
+    DamageError,
+)
 from omni_vehicle_ros.bags.repair.chunk import LARGEST_RECORD, check_chunk, chunk_records
 from omni_vehicle_ros.bags.repair.damaged_file import FIRST_OWN_OPCODE, MESSAGE_HEADER, DamagedFile, Record
 
-FILE_HEADER, MESSAGE_INDEX, ATTACHMENT, STATISTICS, METADATA, DATA_END = 1, 7, 9, 11, 12, 15
 LARGEST_EXTRAS = 1000
 """Attachments and metadata records of a file that are kept."""
 
