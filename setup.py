@@ -7,7 +7,7 @@ from setuptools import find_packages, setup
 PACKAGE = 'omni_vehicle_ros'
 ROOT = Path(__file__).resolve().parent
 RUN_TIME = [
-    'isal', 'jinja2', 'lz4', 'matplotlib', 'mcap', 'numba', 'numpy', 'pyarrow', 'pyyaml', 'rich', 'rosbags', 'scipy',
+    'isal', 'jinja2', 'lz4', 'matplotlib', 'numba', 'numpy', 'pyarrow', 'pyyaml', 'rich', 'rosbags', 'scipy',
     'setuptools', 'typer', 'zstandard',
 ]
 EXECUTABLES = (
@@ -49,7 +49,7 @@ setup(
     ],
     install_requires=RUN_TIME,
     extras_require={
-        'bench': ['mcap-ros2-support'],
+        'bench': ['mcap', 'mcap-ros2-support'],
         'cluster': ['distributed'],
         'peers': ['commonroad-vehicle-models', 'slipx'],
         'test': ['hypothesis', 'pytest'],
