@@ -21,7 +21,8 @@ _MESSAGE_FIELDS = _MESSAGE.size - RECORD.size
 _CHUNK_FIELDS = struct.Struct('<QQQII')
 _LENGTH = struct.Struct('<Q')
 _INDEX = struct.Struct('<BQHI')
-_ZSTD_LEVEL = 3
+_ZSTD_LEVEL = -1
+"""What messages of a vehicle take hardly differs from level 3 (2 %); to write and to read them takes half the time."""
 
 
 def compressor(compression: str) -> Callable[[bytes | bytearray], bytes]:
