@@ -2,12 +2,14 @@
 
 import time
 from collections import deque
+from collections.abc import Iterator
 from functools import partial
 from operator import itemgetter
 
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.subscription import Subscription
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Component, Output
@@ -48,7 +50,14 @@ class Shell(Node):
         Namespace of the node; None takes it from the command line.
     exchange
         Of the process.
+
+    Attributes
+    ----------
+    unserved
+        Subscriptions that no executor serves: who made them takes their messages when it suits.
     """
+
+    unserved: tuple[Subscription, ...] = ()
 
     def __init__(self, role: str, *, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(role.split('/')[-1], context=context, namespace=namespace)
@@ -87,6 +96,11 @@ class Shell(Node):
         namespace = self.get_namespace().rstrip('/')
         wheel = self.role.split('/')[0] if '/' in self.role else ''
         return namespace.removesuffix(f'/{wheel}') if wheel else namespace
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """The subscriptions that an executor serves."""
+        return (one for one in super().subscriptions if one not in self.unserved)
 
     @property
     def full_name(self) -> str:

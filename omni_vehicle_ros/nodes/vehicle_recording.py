@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from typing import Any
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import DIAGNOSTICS_PERIOD, ERROR, Reporter
@@ -24,9 +25,17 @@ ACKNOWLEDGE = 4
 
 END_LIMIT = 3.0
 
+BEAT = 'joint_states'
+"""The topic that begins a cycle."""
+
 
 class VehicleRecording:
     """Takes raw bytes, orders them by simulated time and writes them; says at the end what was lost.
+
+    Of the topics that have a message in every cycle only `BEAT` comes by the executor: to be woken for each message
+    costs more than to take it. The others wait in the middleware for the next acknowledgement, in which several of
+    each are taken at once. Their stamps order them; those of other topics may say that they mean now, so that these
+    come at once.
 
     Parameters
     ----------
@@ -51,11 +60,18 @@ class VehicleRecording:
         self._statistics = RecordingStatistics()
         self._values: tuple[tuple[str, str], ...] = ()
         self._reported = 0
+        self._waiting: list[tuple[Callable[..., tuple[bytes, Any] | None], Any, Callable[[bytes], None]]] = []
         for row in node.topics():
             if row.recorded:
-                take = self._taker(row)
-                subscription = subscribe_to(node, row, node.vehicle_namespace, take, depth=DEPTH)
-                node.exchange.add_inlet(Inlet(subscription, take))
+                self._subscribe(row)
+
+    def _subscribe(self, row: interface.Topic) -> None:
+        take = self._taker(row)
+        subscription = subscribe_to(self._node, row, self._node.vehicle_namespace, take, depth=DEPTH)
+        self._node.exchange.add_inlet(Inlet(subscription, take))
+        if row.cyclic and row.name != BEAT:
+            self._node.unserved += (subscription,)
+            self._waiting.append((subscription.handle.take_message, subscription.msg_type, take))
 
     def _taker(self, row: interface.Topic) -> Callable[[bytes], None]:
         name, type_name = row.name, row.type
@@ -67,7 +83,7 @@ class VehicleRecording:
             try:
                 stamp = journal.add(name, data)
                 statistics.add(len(data), stamp // journal.period if row.cyclic else None)
-                if name == 'joint_states':
+                if name == BEAT:
                     self._beat()
                 elif name == 'driver/step':
                     step: Step = decode(type_name, data)
@@ -82,6 +98,7 @@ class VehicleRecording:
     def _beat(self) -> None:
         now = self._journal.now
         if now % self._acknowledge == 0:
+            self.take()
             step = Step(now, 0, (interface.RECORDER,))
             self._node.say('recorder/step', step)
             state = self._state_in_lockstep() if self._node.lockstep else self._state(now)
@@ -104,6 +121,7 @@ class VehicleRecording:
 
     def poll(self) -> bool:
         """Return whether the scenario is over and all of it has come."""
+        self.take()
         wall = time.monotonic()
         if self._end is None or self._journal.now < self._end:
             self._ended = wall
@@ -111,7 +129,13 @@ class VehicleRecording:
         return self._journal.complete(self._end) or wall - self._ended > END_LIMIT
 
     def take(self) -> None:
-        """Do nothing: messages wait until the executor hands them over."""
+        """Take the messages that wait in the middleware."""
+        for take_message, kind, take in self._waiting:
+            for _ in range(DEPTH):  # a flood on one topic keeps no other waiting for ever
+                found = take_message(kind, True)
+                if found is None:
+                    break
+                take(found[0])
 
     def now(self) -> int:
         """Return simulated time [ns]."""
@@ -119,6 +143,7 @@ class VehicleRecording:
 
     def end(self) -> None:
         """Write what waits."""
+        self.take()
         self._journal.flush()
 
     def summary(self) -> str:
