@@ -320,6 +320,7 @@ class PlantParameters(Parameters):
 class PacingParameters(Parameters):
     """How the nodes keep step with each other."""
 
+    autostart: bool = parameter(True, 'Configure and activate the node when it starts; else its lifecycle services do.')
     pacing: str = parameter('realtime', 'lockstep: every node waits for what belongs to the cycle; realtime: the latest is taken.', choices=('lockstep', 'realtime'))
     realtime_factor: float = parameter(1.0, 'Simulated time over wall time, in real time.', low=0.01, high=100.0)
     realtime_priority: int = parameter(10, 'Priority (SCHED_FIFO) of the nodes that drive, in real time, where the system allows it; driver and recorder have one less. 0: leave it to the system.', low=0, high=98)

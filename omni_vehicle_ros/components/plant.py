@@ -121,11 +121,11 @@ class Plant:
         angle, actuators = self._now.steer_angle, self._actuators
         return per_wheel(lambda i: angle[i] - actuators[i].angle)
 
-    def begin(self) -> list[Output]:
-        """Return what the sensors see at time 0."""
+    def begin(self, stamp: int = 0) -> list[Output]:
+        """Return what the sensors see before time goes on from ``stamp`` [ns]."""
         self._now = self._evaluate()
         self._wheel_speed = self._speeds()
-        return self._sense(0)
+        return self._sense(stamp)
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Move from ``stamp`` [ns] to the next cycle and return what the sensors see there.

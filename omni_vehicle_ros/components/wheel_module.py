@@ -51,7 +51,7 @@ class WheelModule:
         self._law = Law(parameters, control_period, trim_limit)
         self._begun: int | None = None
         self._awaits_trim = trimmed
-        self._wheel_speed = 0.0
+        self._wheel_speed = self._steer_angle = 0.0
         self._malformed = ''
         self._reporter = Reporter(self.name)
 
@@ -63,6 +63,8 @@ class WheelModule:
             joints = vehicle_joints(value)
             if joints is not None:
                 self._wheel_speed = joints.wheel_speed[self._index]
+                self._steer_angle = joints.steer_angle[self._index]
+                self._law.start_at(self._steer_angle)
         elif not len(value.position) == len(value.velocity) == len(value.effort) == 2:
             self._malformed = f'{topic} needs position, velocity and effort of steer and drive; the last one is kept'
         elif topic == self._command:
@@ -78,6 +80,11 @@ class WheelModule:
         steer, drive = (state.steer_angle, state.steer_rate), (self._wheel_speed, state.drive_torque)
         outputs.append(Output(f'{self.wheel}/state', module_joints(self.wheel, stamp, steer, drive)))
         return outputs
+
+    def rest(self, stamp: int) -> list[Output]:
+        """Return what the actuators do when the module acts no more: they hold the angle, without torque."""
+        joints = module_joints(self.wheel, stamp, (self._steer_angle, 0.0), (self._wheel_speed, 0.0))
+        return [Output(f'{self.wheel}/state', joints)]
 
     def _own_notes(self, stamp: int) -> list[Note]:
         """Return what is wrong beside what the law says."""

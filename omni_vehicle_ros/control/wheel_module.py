@@ -83,6 +83,11 @@ class WheelModule:
         self._notes: list[Note] = []
         self._state = Freshness.NEVER
 
+    def start_at(self, angle: float) -> None:
+        """Take over a wheel that points somewhere [rad]; once it acts, it knows by itself."""
+        if self._now is None:
+            self._steer = SteerActuator(self._parameters, angle)
+
     def command(self, command: Setpoint) -> None:
         """Take a set-point; one with NaN or inf is refused and the last good one kept."""
         if self._finite('command', command.steer_angle, command.wheel_speed, command.torque):

@@ -16,7 +16,7 @@ P = TypeVar('P', bound=Parameters)
 
 
 def declare(node: Node, parameters: type[P], *, only: tuple[str, ...] = (), changeable: bool = False) -> P:
-    """Declare the fields of a parameter class on a node and return what was set.
+    """Declare the fields of a parameter class on a node, unless they are, and return what was set.
 
     Whole numbers are taken for real ones. Parameters are read-only unless ``changeable``.
 
@@ -30,11 +30,18 @@ def declare(node: Node, parameters: type[P], *, only: tuple[str, ...] = (), chan
         if only and entry.name not in only:
             continue
         default = list(entry.default) if isinstance(entry.default, tuple) else entry.default
-        declared = node.declare_parameter(entry.name, default, _descriptor(entry, changeable))
-        given = default if declared.value is None else declared.value  # an empty list in a YAML file is no value
+        declared = declare_plain(node, entry.name, default, _descriptor(entry, changeable))
+        given = default if declared is None else declared  # an empty list in a YAML file is no value
         values[entry.name] = check_value(entry, _plain(given))
         _store_coerced(node, entry.name, values[entry.name])
     return parameters.from_mapping(values)
+
+
+def declare_plain(node: Node, name: str, default: Any, descriptor: ParameterDescriptor | None = None) -> Any:
+    """Declare one parameter on a node, unless it is, and return its value."""
+    if node.has_parameter(name):
+        return node.get_parameter(name).value
+    return node.declare_parameter(name, default, descriptor or ParameterDescriptor()).value
 
 
 def _descriptor(entry: 'dataclasses.Field[Any]', changeable: bool) -> ParameterDescriptor:
@@ -64,10 +71,10 @@ def _store_coerced(node: Node, name: str, value: Any) -> None:
         node._parameters[name] = coerced
 
 
-def on_change(node: Node, current: P, apply: Callable[[P], None]) -> None:
+def on_change(node: Node, current: P, apply: Callable[[P], None]) -> Callable[[], None]:
     """Call ``apply`` with the new parameters whenever some of ``current`` are set; refuse bad ones with the reason.
 
-    ``apply`` refuses them by a ParameterError.
+    ``apply`` refuses them by a ParameterError. Returns what to call to end that.
     """
     held = [current]
 
@@ -90,3 +97,9 @@ def on_change(node: Node, current: P, apply: Callable[[P], None]) -> None:
 
     node.add_on_set_parameters_callback(check)
     node.add_post_set_parameters_callback(store)
+
+    def end() -> None:
+        node.remove_on_set_parameters_callback(check)
+        node.remove_post_set_parameters_callback(store)
+
+    return end

@@ -10,6 +10,7 @@ from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.driver import Driver
 from omni_vehicle_ros.components.recorded_commands import RecordedCommands
+from omni_vehicle_ros.nodes.declare import declare_plain
 from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
@@ -23,8 +24,11 @@ class DriverNode(Shell):
 
     def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(interface.DRIVER, context=context, exchange=exchange, namespace=namespace)
-        scenario = load_scenario(str(self.declare_parameter('scenario', 'demo').value))
-        bag = str(self.declare_parameter('commands', '').value)
+
+    def build(self) -> None:
+        """Read the parameters and make component and ports."""
+        scenario = load_scenario(str(declare_plain(self, 'scenario', 'demo')))
+        bag = str(declare_plain(self, 'commands', ''))
         script = RecordedCommands(Path(bag), scenario) if bag else None
         self._driver = Driver(scenario, script, name=self.full_name)
         self._printed = 0.0

@@ -7,7 +7,7 @@ over, which is immutable, and publishes nothing; as soon as anybody else listens
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 from rclpy.duration import Duration
@@ -81,6 +81,10 @@ class Outlet:
         if self._of_bytes:
             self._hand_over(self._of_bytes, encode(self._type_name, value))
 
+    def go_round(self) -> None:
+        """Say all by DDS until the next look."""
+        self._local = False
+
     def look(self) -> bool:
         """See who listens, and go the right way; return whether messages were handed over until now, and no more."""
         local = self.publisher.get_subscription_count() == len(self._inlets)
@@ -119,7 +123,17 @@ class Exchange:
 
     def add_inlet(self, inlet: Inlet) -> None:
         """Announce a subscription."""
-        self._inlets.setdefault(inlet.subscription.topic_name, []).append(inlet)
+        topic = inlet.subscription.topic_name
+        self._inlets.setdefault(topic, []).append(inlet)
+        self._go_round({topic})
+
+    def forget(self, subscriptions: Iterable[Subscription], outlets: Iterable[Outlet]) -> None:
+        """Let go of subscriptions and publishers that will be destroyed; not to be called by who takes a message."""
+        gone, ended = list(subscriptions), list(outlets)
+        self._outlets = [outlet for outlet in self._outlets if outlet not in ended]
+        for inlets in self._inlets.values():
+            inlets[:] = [inlet for inlet in inlets if inlet.subscription not in gone]
+        self._go_round({subscription.topic_name for subscription in gone})
 
     def outlet(self, publisher: Publisher, topic: Topic) -> Outlet:
         """Return what to say the messages of a publisher to; latched ones always go over DDS, which keeps them."""
@@ -128,6 +142,13 @@ class Exchange:
         if not topic.qos.latched:
             self._outlets.append(outlet)
         return outlet
+
+    def _go_round(self, topics: set[str]) -> None:
+        """Say by DDS what other nodes of this process listen to than before, until the next look."""
+        self._deliver(len(self._queue))
+        for outlet in self._outlets:
+            if outlet.publisher.topic_name in topics:
+                outlet.go_round()
 
     def look(self) -> None:
         """See who listens to what; to be called in a while again, and never by who takes a message."""

@@ -18,6 +18,9 @@ class IcrSteeringNode(Shell):
 
     def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(interface.ICR_STEERING, context=context, exchange=exchange, namespace=namespace)
+
+    def build(self) -> None:
+        """Read the parameters and make component and ports."""
         vehicle = declare(self, VehicleParameters)
         steering = declare(self, SteeringParameters)
         period = declare(self, PlantParameters, only=('control_period',)).control_period

@@ -14,9 +14,9 @@ from omni_vehicle_ros import interface
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.interface import BASE_FRAME, ODOM_FRAME, Qos
 from omni_vehicle_ros.messages import Odometry, decode
+from omni_vehicle_ros.nodes.managed import StartError
 from omni_vehicle_ros.nodes.ports import publisher_profile, subscribe_to
 from omni_vehicle_ros.nodes.process import run
-from omni_vehicle_ros.nodes.shell import StartError
 
 SECOND = 1_000_000_000
 TF = Qos(depth=100, latched=False)

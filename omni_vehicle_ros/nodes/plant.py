@@ -5,6 +5,7 @@ import sys
 import time
 
 from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Output
@@ -15,9 +16,9 @@ from omni_vehicle_ros.messages import Text, Value, decode
 from omni_vehicle_ros.model.warm import warm
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.exchange import Exchange
-from omni_vehicle_ros.nodes.ports import subscribe_to
+from omni_vehicle_ros.nodes.managed import StartError
 from omni_vehicle_ros.nodes.process import run
-from omni_vehicle_ros.nodes.shell import Shell, StartError
+from omni_vehicle_ros.nodes.shell import Shell
 from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
 
 RECORDER_WINDOW = 16
@@ -37,6 +38,9 @@ class PlantNode(Shell):
 
     def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(interface.PLANT, context=context, exchange=exchange, namespace=namespace)
+
+    def build(self) -> None:
+        """Read the parameters and make component and ports."""
         vehicle, plant = declare(self, VehicleParameters), declare(self, PlantParameters)
         self._plant = Plant(vehicle, plant, name=self.full_name, publish_clock=self.pacing.publish_clock)
         # Where nothing is compiled yet, the others wait for it now, and not in their first cycle.
@@ -47,12 +51,19 @@ class PlantNode(Shell):
         self._states = dict.fromkeys(self._plant.sources, -self._state_timeout - 1)
         self._ready: set[str] = set()
         self._begun = False
-        self._made = self._due = time.monotonic()
         self._looked = 0.0
         self._recorded, self._window = 0, RECORDER_WINDOW * self._plant.period
         self._recorder_lost = interface.RECORDER not in self.pacing.participants
         self.attach(self._plant)
-        subscribe_to(self, interface.topic('ready'), self.vehicle_namespace, self._note_ready, latched=True)
+        self.subscribe(interface.topic('ready'), self._note_ready, latched=True)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Begin when the others are ready, or go on where time stood still."""
+        self._made = self._due = time.monotonic()
+        answer = super().on_activate(state)
+        if self._begun:
+            self.publish(self._plant.begin(self.now))
+        return answer
 
     def _note_ready(self, data: bytes) -> None:
         try:
@@ -92,6 +103,8 @@ class PlantNode(Shell):
 
     def poll(self) -> None:
         """Begin, and in real time move when it is time."""
+        if not self.active:
+            return
         if time.monotonic() - self._made < NEWCOMER:
             self._look_for_another()
         if not self._begun:
@@ -136,14 +149,14 @@ class PlantNode(Shell):
         self.publish(self._plant.step(self.now, missing))
         self._due = max(self._due + self._tick, time.monotonic() - self._tick)
 
-    def end(self) -> None:
+    def finish(self) -> None:
         """Print how punctual the modules were, for whoever writes a report."""
         if not self.lockstep:
             print(f'punctual {json.dumps(self._punctuality.figures())}', flush=True)
 
     def wait(self) -> float:
         """Return the time until the next move."""
-        if self.lockstep or not self._begun:
+        if self.lockstep or not self.active or not self._begun:
             return 0.02
         return max(self._due - time.monotonic(), 0.0)
 

@@ -11,26 +11,19 @@ from typing import Protocol
 
 import rclpy
 from rclpy.context import Context
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.executors import Executor
 from rclpy.experimental import EventsExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from omni_vehicle_ros.ending import ENDING, PARENT
-from omni_vehicle_ros.errors import OmniVehicleError
 from omni_vehicle_ros.nodes.exchange import Exchange
-
-RCLError = rclpy_implementation.RCLError
+from omni_vehicle_ros.nodes.refusals import REFUSALS, one_line
 
 EXIT_USAGE = 2
 LOOK_PERIOD = 0.02
 GARBAGE = 10_000
 """Objects more than before that set off a search for garbage; Python's own 700 come within a cycle or two."""
-
-REFUSALS = (InvalidParameterTypeException, InvalidParameterValueException, RCLError)
-"""What rclpy says to parameters, files and names that it does not take."""
 
 
 class Served(Protocol):
@@ -82,8 +75,8 @@ def run(make: Make, make_executor: Callable[..., Executor] = EventsExecutor) -> 
     try:
         rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
         _live(make, make_executor, context, stop)
-    except (OmniVehicleError, *REFUSALS) as error:
-        print(f'error: {_one_line(error)}', file=sys.stderr)
+    except REFUSALS as error:
+        print(f'error: {one_line(error)}', file=sys.stderr)
         return EXIT_USAGE
     finally:
         # Python hands signals back to the system at its end; one that comes then must not kill.
@@ -110,11 +103,6 @@ def _live(make: Make, make_executor: Callable[..., Executor], context: Context, 
         for node in nodes:
             node.end()
             node.destroy_node()
-
-
-def _one_line(error: Exception) -> str:
-    """Return what an error says; rcl adds where in its source it was found, after a comma and a line break."""
-    return ' '.join(str(error).split(', at /')[0].split())
 
 
 class Taking:

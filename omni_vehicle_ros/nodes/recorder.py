@@ -5,6 +5,7 @@ import time
 from typing import Protocol
 
 from rclpy.context import Context
+from rclpy.service import Service
 from std_srvs.srv import Trigger
 
 from omni_vehicle_ros import interface
@@ -15,8 +16,9 @@ from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.messages import Diagnostics, Status
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.exchange import Exchange
+from omni_vehicle_ros.nodes.managed import StartError
 from omni_vehicle_ros.nodes.process import run
-from omni_vehicle_ros.nodes.shell import Shell, StartError
+from omni_vehicle_ros.nodes.shell import Shell
 from omni_vehicle_ros.nodes.topic_recording import TopicRecording
 from omni_vehicle_ros.nodes.vehicle_recording import VehicleRecording
 from omni_vehicle_ros.parameters import RecorderParameters
@@ -51,13 +53,16 @@ class RecorderNode(Shell):
 
     def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(interface.RECORDER, context=context, exchange=exchange, namespace=namespace)
+
+    def build(self) -> None:
+        """Read the parameters and make component and ports."""
         settings = declare(self, RecorderParameters)
         if settings.chooses and self.lockstep:
             raise StartError('topics, regex and all need pacing realtime: in lock step the vehicle is recorded')
         self._sink = make_sink(settings)
         self._failure: BagError | None = None
+        self._snapshots: Service | None = None
         self._flushed = time.monotonic()
-        self._closed = False
         self._recording: Recording
         if settings.chooses:
             self._recording = TopicRecording(self, settings, self._sink)
@@ -75,6 +80,8 @@ class RecorderNode(Shell):
         BagError
             The bag can't be written any more; /diagnostics says so.
         """
+        if not self.active:
+            return
         if isinstance(self._recording, VehicleRecording):
             super().poll()
         try:
@@ -90,7 +97,7 @@ class RecorderNode(Shell):
 
     def wait(self) -> float:
         """Return for how long there is nothing to do but to take messages [s]."""
-        return self._recording.period
+        return self._recording.period if self.active else super().wait()
 
     def fail(self, error: BagError) -> None:
         """Say on /diagnostics that the bag can't be written any more, and end with the next poll."""
@@ -100,11 +107,10 @@ class RecorderNode(Shell):
             self.say('/diagnostics', Diagnostics(self._recording.now(), (status,)))
             self.await_heard('/diagnostics')
 
-    def end(self) -> None:
+    def finish(self) -> None:
         """Write what waits, close the bag, and say what was lost."""
-        if self._closed:
-            return
-        self._closed = True
+        if self._snapshots is not None:
+            self.destroy_service(self._snapshots)
         try:
             if self._failure is None:
                 self._recording.end()
@@ -120,7 +126,7 @@ class RecorderNode(Shell):
                 response.message = str(error)
             return response
 
-        self.create_service(Trigger, '~/snapshot', answer)
+        self._snapshots = self.create_service(Trigger, '~/snapshot', answer)
 
 
 def make_sink(settings: RecorderParameters) -> BagWriter | SnapshotBuffer:

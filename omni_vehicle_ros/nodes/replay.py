@@ -19,9 +19,10 @@ from omni_vehicle_ros.bags.source import TopicFacts, open_source
 from omni_vehicle_ros.components.topic_playing import TopicPlaying, combined_offer, latched_depth, unplayable
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.messages.stamps import restamped_now
+from omni_vehicle_ros.nodes.managed import StartError
 from omni_vehicle_ros.nodes.ports import message_class
-from omni_vehicle_ros.nodes.process import REFUSALS, run
-from omni_vehicle_ros.nodes.shell import StartError
+from omni_vehicle_ros.nodes.process import run
+from omni_vehicle_ros.nodes.refusals import REFUSALS, one_line
 
 DISCOVERY = 1.0
 """Wait for those who listen, at least [s]."""
@@ -182,7 +183,7 @@ class ReplayNode(Node):
         except (ImportError, AttributeError, ValueError, TypeError):  # of names that are none, too
             reason = f'its type {facts.type_name} is not installed'
         except (InvalidTopicNameException, *REFUSALS) as error:
-            reason = ' '.join(str(error).split(', at /')[0].split())
+            reason = one_line(error)
         self._skip(topic, reason)
 
     def _skip(self, topic: str, reason: str) -> None:

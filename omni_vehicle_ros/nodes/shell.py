@@ -2,26 +2,25 @@
 
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable
 from functools import partial
 from operator import itemgetter
 
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.node import Node
-from rclpy.subscription import Subscription
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Component, Output
 from omni_vehicle_ros.components.gate import Gate
 from omni_vehicle_ros.control.health import OK, WARN
-from omni_vehicle_ros.errors import MessageError, OmniVehicleError
+from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import Diagnostics, Status, Step, Text, Value, decode
 from omni_vehicle_ros.nodes.declare import declare
-from omni_vehicle_ros.nodes.exchange import Exchange, Inlet
+from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.handshake import Handshake
+from omni_vehicle_ros.nodes.managed import ManagedNode
 from omni_vehicle_ros.nodes.owners import Owners
-from omni_vehicle_ros.nodes.ports import publish_on, subscribe_to
 from omni_vehicle_ros.nodes.scheduling import be_punctual, work_through
 from omni_vehicle_ros.parameters import PacingParameters
 
@@ -33,45 +32,26 @@ FUTURE = 1_000_000_000
 INBOX = 512
 """Messages that may wait for their cycle; of a flood, the latest are kept."""
 
+CONNECT_LIMIT = 3.0
+"""Wall time in which a node is connected to all the others, if they are there [s]."""
+
 _ORDER = {row.name: number for number, row in enumerate(interface.TOPICS)}
 _BY_TOPIC = itemgetter(0)
 
 
-class Shell(Node):
-    """A node around one component.
-
-    Parameters
-    ----------
-    role
-        Which node of the wiring table this is, with ``/`` for modules: ``front_left/wheel_module``.
-    context
-        The ROS context it lives in.
-    namespace
-        Namespace of the node; None takes it from the command line.
-    exchange
-        Of the process.
-
-    Attributes
-    ----------
-    unserved
-        Subscriptions that no executor serves: who made them takes their messages when it suits.
-    """
-
-    unserved: tuple[Subscription, ...] = ()
+class Shell(ManagedNode):
+    """A node around one component; parameters as of `ManagedNode`."""
 
     def __init__(self, role: str, *, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
-        super().__init__(role.split('/')[-1], context=context, namespace=namespace)
-        self.role = role
-        self.exchange = exchange
+        super().__init__(role, context=context, exchange=exchange, namespace=namespace)
         self.finished = False
-        self.gate = Gate(())
-        self.now = 0
-        self._opened = 0.0
+        self._sources: tuple[str, ...] = ()
+        self._warned: dict[str, float] = {}
         self.pacing = declare(self, PacingParameters)
         self.lockstep = self.pacing.pacing == 'lockstep'
         self._schedule()
-        self._inbox: deque[tuple[int, str, Value]] = deque(maxlen=INBOX)
-        self._warned: dict[str, float] = {}
+        if self.pacing.autostart:
+            self.bring_up()
 
     def _schedule(self) -> None:
         """Choose how the kernel schedules this process: what drives goes before what only looks on.
@@ -90,50 +70,19 @@ class Shell(Node):
                 '(ulimit -r, or rtprio in /etc/security/limits.conf), or set realtime_priority to 0'
             )
 
-    @property
-    def vehicle_namespace(self) -> str:
-        """The namespace of the vehicle: that of the node, less the name of the wheel."""
-        namespace = self.get_namespace().rstrip('/')
-        wheel = self.role.split('/')[0] if '/' in self.role else ''
-        return namespace.removesuffix(f'/{wheel}') if wheel else namespace
-
-    @property
-    def subscriptions(self) -> Iterator[Subscription]:
-        """The subscriptions that an executor serves."""
-        return (one for one in super().subscriptions if one not in self.unserved)
-
-    @property
-    def full_name(self) -> str:
-        """The name of the node with its namespace."""
-        return f'{self.get_namespace().rstrip("/")}/{self.get_name()}'
-
     def attach(self, component: Component) -> None:
         """Make the ports of a component and begin to serve it."""
-        self.component = component
-        sources = component.sources
-        if self.lockstep and interface.DRIVER in self.pacing.participants and self.subscribes('driver/step'):
-            sources = (*sources, 'driver/step')
-        self.gate = Gate(sources)
+        self.component, self._sources = component, component.sources
         self.connect()
         for row in self.topics():
             if self.subscribes(row.name) and row.name != 'ready':
-                self._subscribe(row)
+                # In real time a message that was lost is out of date before it could be sent again.
+                reliable = self.lockstep or not row.cyclic
+                self.subscribe(row, self._decoder(row), partial(self.take, row.name), reliable=reliable)
 
     def connect(self) -> None:
         """Make the publishers of this node."""
         self.open_ports([row for row in self.topics() if self.publishes(row.name)])
-        publishers = [outlet.publisher for outlet in self._outlets.values()]
-        self._handshake = Handshake(
-            self, self.role, self.vehicle_namespace, self.topics(), self.pacing.participants, publishers
-        )
-        mine = [row for row in self.topics() if self.subscribes(row.name)]
-        self._owners = Owners(self, self.vehicle_namespace, mine)
-
-    def open_ports(self, rows: list[interface.Topic]) -> None:
-        """Make the publishers of some topics."""
-        self._outlets = {
-            row.name: self.exchange.outlet(publish_on(self, row, self.vehicle_namespace), row) for row in rows
-        }
 
     def topics(self) -> list[interface.Topic]:
         """Return the rows of the wiring table that this vehicle uses: /clock only if it owns it."""
@@ -147,8 +96,8 @@ class Shell(Node):
         """Whether this node subscribes to ``topic``."""
         return self.role in interface.topic(topic).subscribers
 
-    def _subscribe(self, row: interface.Topic) -> None:
-        """Take the messages of a topic, over DDS and from the nodes of this process."""
+    def _decoder(self, row: interface.Topic) -> Callable[[bytes], None]:
+        """Return what takes the bytes of a topic."""
         name, type_name = row.name, row.type
 
         def hear(data: bytes) -> None:
@@ -159,10 +108,24 @@ class Shell(Node):
                 return
             self.take(name, value)
 
-        # In real time a message that was lost is out of date before it could be sent again.
-        reliable = self.lockstep or not row.cyclic
-        subscription = subscribe_to(self, row, self.vehicle_namespace, hear, reliable=reliable)
-        self.exchange.add_inlet(Inlet(subscription, hear, partial(self.take, name)))
+        return hear
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Begin anew with the next cycle, when connected to the others."""
+        sources = self._sources
+        if self.lockstep and interface.DRIVER in self.pacing.participants and self.subscribes('driver/step'):
+            sources = (*sources, 'driver/step')
+        self.gate = Gate(sources)
+        self._inbox: deque[tuple[int, str, Value]] = deque(maxlen=INBOX)
+        self._opened = self._activated = time.monotonic()
+        rows = self.topics()
+        publishers = [outlet.publisher for outlet in self.outlets.values()]
+        self._handshake = Handshake(
+            self, self.role, self.vehicle_namespace, rows, self.pacing.participants, publishers
+        )
+        mine = [row for row in rows if self.subscribes(row.name)]
+        self._owners = Owners(self, self.vehicle_namespace, mine)
+        return super().on_activate(state)
 
     def take(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to, and act when that is complete."""
@@ -183,13 +146,17 @@ class Shell(Node):
     def act(self) -> None:
         """Let the component act if its cycle is complete."""
         stamp = self.gate.ready()
-        if stamp is None:
+        if stamp is None or not self._connected():
             return
         missing = self.gate.missing()
         self.gate.close()
         self.now = stamp
         self.hand_over()
         self.publish(self.component.step(stamp, missing))
+
+    def _connected(self) -> bool:
+        """Whether an answer comes through: of a node that joins a lock step later, the first could be lost."""
+        return self._handshake.done or not self.lockstep or time.monotonic() - self._activated > CONNECT_LIMIT
 
     def hand_over(self) -> None:
         """Hand the messages that wait to the component: always in the same order, whatever order they came in."""
@@ -201,18 +168,16 @@ class Shell(Node):
     def publish(self, outputs: list[Output]) -> None:
         """Publish what a component has to say."""
         for topic, value in outputs:
-            self._outlets[topic].say(value)
-
-    def say(self, topic: str, value: Value | Text) -> None:
-        """Publish one message."""
-        self._outlets[topic].say(value)
+            self.outlets[topic].say(value)
 
     def await_heard(self, topic: str) -> None:
         """Wait a little until those who listen to ``topic`` have what was published on it."""
-        self._outlets[topic].publisher.wait_for_all_acked(Duration(seconds=0.5))
+        self.outlets[topic].publisher.wait_for_all_acked(Duration(seconds=0.5))
 
     def poll(self) -> None:
         """Do what no message calls for: handshake, a look round, and the end of a wait that takes too long."""
+        if not self.active:
+            return
         if not self._handshake.done and self._handshake.complete():
             self.exchange.look()
             self.say('ready', Text(self.role))
@@ -233,9 +198,6 @@ class Shell(Node):
         """Return for how long there is nothing to do but to take messages [s]."""
         return 0.05
 
-    def end(self) -> None:
-        """Finish what must not be left half done; called once, before the node is destroyed."""
-
     def warn(self, message: str) -> None:
         """Log a warning, the same one at most every few seconds."""
         now = time.monotonic()
@@ -243,7 +205,3 @@ class Shell(Node):
             self._warned = {text: when for text, when in self._warned.items() if now - when < WARN_PERIOD}
             self._warned[message] = now
             self.get_logger().warning(message)
-
-
-class StartError(OmniVehicleError):
-    """A node could not start, or stopped for want of the others."""

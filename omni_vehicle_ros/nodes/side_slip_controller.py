@@ -32,6 +32,9 @@ class SideSlipControllerNode(Shell):
 
     def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(interface.SIDE_SLIP_CONTROLLER, context=context, exchange=exchange, namespace=namespace)
+
+    def build(self) -> None:
+        """Read the parameters and make component and ports."""
         vehicle = declare(self, VehicleParameters)
         parameters = declare(self, SideSlipParameters, only=FIXED)
         names = tuple(name for name in parameters.as_dict() if name not in FIXED)
@@ -52,8 +55,12 @@ class SideSlipControllerNode(Shell):
             check_gains(changed, vehicle, module, period)
             component.configure(changed)
 
-        on_change(self, parameters, configure)
+        self._end_changes = on_change(self, parameters, configure)
         self.attach(component)
+
+    def finish(self) -> None:
+        """Let parameters change no component that is gone."""
+        self._end_changes()
 
 
 def main() -> None:

@@ -12,8 +12,6 @@ from omni_vehicle_ros.control.health import Health, health
 from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.messages import Step, decode
 from omni_vehicle_ros.nodes.declare import declare
-from omni_vehicle_ros.nodes.exchange import Inlet
-from omni_vehicle_ros.nodes.ports import subscribe_to
 from omni_vehicle_ros.nodes.shell import Shell
 from omni_vehicle_ros.parameters import PlantParameters
 
@@ -67,8 +65,7 @@ class VehicleRecording:
 
     def _subscribe(self, row: interface.Topic) -> None:
         take = self._taker(row)
-        subscription = subscribe_to(self._node, row, self._node.vehicle_namespace, take, depth=DEPTH)
-        self._node.exchange.add_inlet(Inlet(subscription, take))
+        subscription = self._node.subscribe(row, take, depth=DEPTH)
         if row.cyclic and row.name != BEAT:
             self._node.unserved += (subscription,)
             self._waiting.append((subscription.handle.take_message, subscription.msg_type, take))

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.wheel_module import WheelModule
 from omni_vehicle_ros.errors import ParameterError
-from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.declare import declare, declare_plain
 from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
@@ -21,13 +21,21 @@ class WheelModuleNode(Shell):
 
     def __init__(self, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__('wheel_module', context=context, exchange=exchange, namespace=namespace)
+
+    def build(self) -> None:
+        """Read the parameters and make component and ports."""
         wheel = wheel_of(self)
         self.role = f'{wheel}/wheel_module'
         parameters = declare(self, WheelModuleParameters)
         period = declare(self, PlantParameters, only=('control_period',)).control_period
         trim_limit = declare(self, SideSlipParameters, only=('trim_limit',)).trim_limit
         trimmed = interface.SIDE_SLIP_CONTROLLER in self.pacing.participants
-        self.attach(WheelModule(wheel, parameters, period, trim_limit, trimmed=trimmed, name=self.full_name))
+        self._module = WheelModule(wheel, parameters, period, trim_limit, trimmed=trimmed, name=self.full_name)
+        self.attach(self._module)
+
+    def rest(self) -> None:
+        """Let the wheel roll on as it is."""
+        self.publish(self._module.rest(self.now))
 
 
 def wheel_of(node: Node) -> str:
@@ -39,7 +47,7 @@ def wheel_of(node: Node) -> str:
         Neither names a wheel.
     """
     namespace = node.get_namespace().split('/')[-1]
-    wheel = str(node.declare_parameter('wheel', namespace).value)
+    wheel = str(declare_plain(node, 'wheel', namespace))
     if wheel not in WHEELS:
         raise ParameterError(
             f'wheel: {wheel!r} is not one of {", ".join(WHEELS)}; run in such a namespace or set -p wheel:=front_left'
