@@ -1,4 +1,7 @@
-"""Executable ``vehicle``: all nodes of one vehicle in one process."""
+"""Executable ``vehicle``: all nodes of one vehicle in one process.
+
+What only they listen to they hand over to each other, and don't publish: see `omni_vehicle_ros.nodes.exchange`.
+"""
 
 import argparse
 import sys
