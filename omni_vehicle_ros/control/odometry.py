@@ -10,7 +10,7 @@ import math
 from omni_vehicle_ros.control.motion import Motion, length_scale
 from omni_vehicle_ros.model.kinematics import Twist
 from omni_vehicle_ros.parameters import VehicleParameters
-from omni_vehicle_ros.wheels import PerWheel, per_wheel
+from omni_vehicle_ros.wheels import PerWheel
 
 # Weight of the command beside one wheel. Of what lies across the wheels little is seen by those that are turned
 # little; without this weight, one wheel that runs unlike the others would be taken for a motion several times as
@@ -92,8 +92,10 @@ def sideways_speed(twist: Twist, steer_angles: PerWheel, vehicle: VehicleParamet
         Positions of the wheels.
     """
     x, y = vehicle.wheel_x, vehicle.wheel_y
-    ahead, left = per_wheel(lambda i: twist.vx - y[i] * twist.r), per_wheel(lambda i: twist.vy + x[i] * twist.r)
-    cos, sin = per_wheel(lambda i: math.cos(steer_angles[i])), per_wheel(lambda i: math.sin(steer_angles[i]))
-    across = sum(abs(left[i] * cos[i] - ahead[i] * sin[i]) for i in range(4))
-    along = sum(abs(ahead[i] * cos[i] + left[i] * sin[i]) for i in range(4))
+    across = along = 0.0
+    for i in range(4):
+        ahead, left = twist.vx - y[i] * twist.r, twist.vy + x[i] * twist.r
+        cos, sin = math.cos(steer_angles[i]), math.sin(steer_angles[i])
+        across += abs(left * cos - ahead * sin)
+        along += abs(ahead * cos + left * sin)
     return 0.25 * across, 0.25 * along

@@ -22,6 +22,7 @@ from omni_vehicle_ros.nodes.refusals import REFUSALS, one_line
 
 EXIT_USAGE = 2
 LOOK_PERIOD = 0.02
+"""From one look to the next, be it at the clock by who takes messages or at who listens to them [s]."""
 GARBAGE = 10_000
 """Objects more than before that set off a search for garbage; Python's own 700 come within a cycle or two."""
 
@@ -144,14 +145,16 @@ def serve(executor: Executor, exchange: Exchange, nodes: Sequence[Served], stop:
 
     Nodes that answer each other through the exchange may never come to an end: DDS has its turn at each poll, too.
     """
-    taking, due = Taking(executor, nodes[0]), 0.0
+    taking, due, look_due = Taking(executor, nodes[0]), 0.0, 0.0
     exchange.wake = taking.end
     while not stop.asked:
         now = time.monotonic()
         if now >= due:
             for node in nodes:
                 node.poll()
-            exchange.look()
+            if now >= look_due:
+                exchange.look()
+                look_due = now + LOOK_PERIOD
             if stop.orphaned() or any(node.finished for node in nodes):
                 return
             due = now + min(node.wait() for node in nodes)
