@@ -323,7 +323,7 @@ class PacingParameters(Parameters):
     autostart: bool = parameter(True, 'Configure and activate the node when it starts; else its lifecycle services do.')
     pacing: str = parameter('realtime', 'lockstep: every node waits for what belongs to the cycle; realtime: the latest is taken.', choices=('lockstep', 'realtime'))
     realtime_factor: float = parameter(1.0, 'Simulated time over wall time, in real time.', low=0.01, high=100.0)
-    realtime_priority: int = parameter(10, 'Priority (SCHED_FIFO) of the nodes that drive, in real time, where the system allows it; driver and recorder have one less. 0: leave it to the system.', low=0, high=98)
+    realtime_priority: int = parameter(0, 'Priority (SCHED_FIFO) of the nodes that drive, in real time; driver and recorder have one less. For machines with cores to spare: what waits for such a node may wait for ever. 0: leave it to the system.', low=0, high=98)
     wait_limit: float = parameter(4.0, 'Wall time that a node waits for an input in lock step before it goes on without.', unit='s', low=0.01, high=600.0)
     publish_clock: bool = parameter(True, 'The plant of this vehicle owns /clock; of several vehicles, one does.')
     start_limit: float = parameter(30.0, 'Wall time that the plant waits for the participants in lock step.', unit='s', low=0.1, high=600.0)

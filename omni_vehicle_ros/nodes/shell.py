@@ -66,8 +66,8 @@ class Shell(ManagedNode):
         refusal = be_punctual(priority if drives else max(priority - 1, 0))
         if refusal and self.role == interface.PLANT:
             self.get_logger().warning(
-                f'realtime_priority {priority}: {refusal}; cycles may be missed when the machine is busy. Allow it '
-                '(ulimit -r, or rtprio in /etc/security/limits.conf), or set realtime_priority to 0'
+                f'realtime_priority {priority}: {refusal}; allow it (ulimit -r, or rtprio in '
+                '/etc/security/limits.conf), or set it to 0'
             )
 
     def attach(self, component: Component) -> None:
