@@ -24,11 +24,12 @@ from omni_vehicle_ros.bench.peers import peer_lines, peer_works
 from omni_vehicle_ros.bench.start_up import start_lines, start_works
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.model import plant
-from omni_vehicle_ros.model.batch import advance_batch
-from omni_vehicle_ros.model.compiled import AdvanceKernel, advance_kernel
+from omni_vehicle_ros.model.batch import advance_batch, packed_batch
+from omni_vehicle_ros.model.compiled import kernel
 from omni_vehicle_ros.model.constants import constants
 from omni_vehicle_ros.model.dynamics import Environment, Inputs
-from omni_vehicle_ros.model.packing import STATE, packed_constants, packed_request
+from omni_vehicle_ros.model.machine_code import Kernel, Numbers
+from omni_vehicle_ros.model.packing import STATE, found_state, listed_constants, packed_constants, packed_request
 from omni_vehicle_ros.model.state import Vector, initial_state
 from omni_vehicle_ros.parameters import VehicleParameters
 
@@ -54,10 +55,9 @@ class Drive(NamedTuple):
     inputs: Inputs
     steer_rate: tuple[float, float, float, float]
 
-    @property
-    def request(self) -> Vector:
-        """All of it, as the kernels take it."""
-        return packed_request(self.state, self.inputs, ROAD, self.steer_rate)
+    def request(self, steps: int) -> Numbers:
+        """Return all of it, as the kernels take it."""
+        return packed_request(self.state, self.inputs, ROAD, False, self.steer_rate, steps, STEP)
 
 
 def bench(progress: Progress = lambda done: None, *, rounds: int = ROUNDS, vehicles: int = VEHICLES) -> Result:
@@ -97,10 +97,10 @@ def make_drives() -> list[Drive]:
 
 def our_works(drives: list[Drive], vehicles: int) -> dict[str, Callable[[], object]]:
     """Return what to time of ours."""
-    numbers, requests = packed_constants(MODEL), [drive.request for drive in drives]
-    columns = np.stack([requests[number % DRIVES] for number in range(vehicles)], axis=1)
-    states, inputs, environment, rates = np.split(columns, (10, 22, 28))
-    batch = partial(advance_batch, states, inputs, rates, environment, numbers[:, None], BATCH_STEPS, STEP)
+    numbers, requests = packed_constants(MODEL), [drive.request(STEPS) for drive in drives]
+    columns = np.stack([np.frombuffer(requests[number % DRIVES]) for number in range(vehicles)], axis=1)
+    states, inputs, environment, rates, _ = np.split(columns, (10, 22, 28, 32))
+    batch = partial(advance_batch, states, inputs, rates, environment, packed_batch(MODEL), BATCH_STEPS, STEP)
     first = drives[DRIVES // 2]
 
     def call_plant() -> None:
@@ -112,7 +112,7 @@ def our_works(drives: list[Drive], vehicles: int) -> dict[str, Callable[[], obje
 
     return {
         KERNEL: lambda: drive_all(requests, numbers),
-        KERNEL_CALLS: lambda: call(first.request, numbers),
+        KERNEL_CALLS: lambda: call(first.request(1), numbers),
         PLANT_CALLS: call_plant,
         BATCH: batch,
         BATCH_THREADS: partial(batch, threads=2),
@@ -127,7 +127,7 @@ def sort_twice() -> None:
             done.result()
 
 
-def our_kernel() -> AdvanceKernel:
+def our_kernel() -> Kernel:
     """Return the kernel that advances one vehicle.
 
     Raises
@@ -135,24 +135,25 @@ def our_kernel() -> AdvanceKernel:
     RunError
         It is not compiled.
     """
-    if advance_kernel is None:
+    advance = kernel('advance')
+    if advance is None:
         raise RunError('the physics are not compiled: install numba, and unset NUMBA_DISABLE_JIT')
-    return advance_kernel
+    return advance
 
 
-def drive_all(requests: list[Vector], numbers: Vector) -> Vector:
+def drive_all(requests: list[Numbers], numbers: Numbers) -> Vector:
     """Drive each vehicle in a loop inside the kernel; return where they end."""
-    advance, found = our_kernel(), np.array(requests)
+    advance, found = our_kernel(), [type(request).from_buffer_copy(request) for request in requests]
     for request in found:
-        advance(request, numbers, STEPS, STEP, False)
-    return found[:, :STATE]
+        advance(request, numbers)
+    return np.array([found_state(request, STATE) for request in found])
 
 
-def call(request: Vector, numbers: Vector) -> None:
+def call(request: Numbers, numbers: Numbers) -> None:
     """Call the kernel step by step; each goes on from the state that it left."""
     advance = our_kernel()
     for _ in range(CALLS):
-        advance(request, numbers, 1, STEP, False)
+        advance(request, numbers)
 
 
 def c_works(drives: list[Drive], c_step: CStep) -> dict[str, Callable[[], object]]:
@@ -163,9 +164,10 @@ def c_works(drives: list[Drive], c_step: CStep) -> dict[str, Callable[[], object
     RunError
         It has not.
     """
-    numbers, requests = packed_constants(MODEL), [drive.request for drive in drives]
+    numbers, packed = np.array(listed_constants(MODEL)), [drive.request(STEPS) for drive in drives]
+    requests = [np.frombuffer(request) for request in packed]
     bare = np.array([c_step.drive(request, numbers, STEPS, STEP) for request in requests])
-    apart = float(np.max(np.abs(bare - drive_all(requests, numbers)) / (1.0 + np.abs(bare))))
+    apart = float(np.max(np.abs(bare - drive_all(packed, packed_constants(MODEL))) / (1.0 + np.abs(bare))))
     if not apart <= TOLERANCE:
         raise RunError(f'C and the kernel differ by {apart:.1e}, more than {TOLERANCE:.0e}: step.c is out of date')
 
@@ -174,7 +176,7 @@ def c_works(drives: list[Drive], c_step: CStep) -> dict[str, Callable[[], object
             c_step.drive(request, numbers, STEPS, STEP)
 
     def call_c() -> None:
-        request = drives[DRIVES // 2].request
+        request = np.frombuffer(drives[DRIVES // 2].request(1))
         there, model = request.ctypes.data, numbers.ctypes.data
         for _ in range(CALLS):
             c_step.advance(there, model, 1, STEP, False)

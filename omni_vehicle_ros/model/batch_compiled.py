@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from omni_vehicle_ros.model import dynamics, integrate
-from omni_vehicle_ros.model.compiled import BRANCHES, LEAVES, advance_kernel, compile_kernels
+from omni_vehicle_ros.model.compiled import compile_lanes
 from omni_vehicle_ros.model.dynamics import Evaluation
 from omni_vehicle_ros.model.lanes import load, store
 from omni_vehicle_ros.model.packing import (
@@ -11,7 +11,7 @@ from omni_vehicle_ros.model.packing import (
     request_rates,
     unpacked_constants,
     unpacked_request,
-    write_four,
+    write_evaluation,
     write_state,
 )
 from omni_vehicle_ros.model.state import Vector
@@ -22,15 +22,7 @@ DriveKernel = Callable[[Vector, Vector, Vector, int, int, float, bool, bool, int
 
 def store_evaluation(numbers: Vector, column: int, found: Evaluation) -> None:
     """Write an evaluation below a state, in the order of `batch.Drive`, and keep the largest slips and uses."""
-    write_four(store, numbers, STATE, column, found.steer_angle)
-    write_four(store, numbers, STATE + 4, column, found.side_slip)
-    write_four(store, numbers, STATE + 8, column, found.longitudinal_force)
-    write_four(store, numbers, STATE + 12, column, found.lateral_force)
-    write_four(store, numbers, STATE + 16, column, found.vertical_load)
-    write_four(store, numbers, STATE + 20, column, found.friction_use)
-    store(numbers, STATE + 24, column, found.roll_angle)
-    store(numbers, STATE + 25, column, found.ax)
-    store(numbers, STATE + 26, column, found.ay)
+    write_evaluation(store, numbers, STATE, column, found)
     keep_larger(numbers, STATE + 27, column, found.side_slip)
     keep_larger(numbers, STATE + 31, column, found.friction_use)
 
@@ -48,7 +40,7 @@ def kernels(source: str) -> tuple[DriveKernel]:
     Parameters
     ----------
     source
-        Text of the physics, for numba's cache, as in `model.compiled.kernels`.
+        Text of the physics, for numba's cache, as in `model.compiled.compile_lanes`.
     """
 
     def drive(
@@ -84,10 +76,7 @@ def kernels(source: str) -> tuple[DriveKernel]:
 
 def compile_batch() -> tuple[int, DriveKernel]:
     """Return the number of lanes and the kernels, not compiled before their first call."""
-    helpers = store_evaluation, keep_larger
-    found = None
-    if advance_kernel is not None:
-        found = compile_kernels(kernels, helpers, (), (), BRANCHES + LEAVES, nogil=True)
+    found = compile_lanes(kernels, (store_evaluation, keep_larger))
     if found is None:
         return 1, kernels('')[0]
     from omni_vehicle_ros.model.compiled_lanes import WIDTH

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from omni_vehicle_ros.model.compiled import derivative_kernel, evaluate_kernel
+from omni_vehicle_ros.model.compiled import kernel
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs, evaluation, state_rate
-from omni_vehicle_ros.model.packing import packed_constants, packed_request
+from omni_vehicle_ros.model.packing import STATE, found_evaluation, found_state, packed_constants, packed_request
 from omni_vehicle_ros.model.state import Vector, state_view
 
 __all__ = ['Environment', 'Evaluation', 'Inputs', 'derivative', 'evaluate']
@@ -25,10 +25,12 @@ def evaluate(
     constant_speed
         The 2-degree-of-freedom model: drive forces are left out.
     """
-    if evaluate_kernel is None:
+    run = kernel('evaluate')
+    if run is None:
         return evaluation(state_view(state), inputs, environment, constants, constant_speed)
-    request = packed_request(state, inputs, environment)
-    return evaluate_kernel(request, packed_constants(constants), constant_speed)
+    request = packed_request(state, inputs, environment, constant_speed)
+    run(request, packed_constants(constants))
+    return found_evaluation(request)
 
 
 def derivative(
@@ -43,7 +45,9 @@ def derivative(
     constant_speed
         Hold vx and leave out the drive forces (thesis sec. 3.1) instead of integrating vx.
     """
-    if derivative_kernel is None:
+    run = kernel('derivative')
+    if run is None:
         return np.array(state_rate(state_view(state), inputs, environment, constants, constant_speed))
-    request = packed_request(state, inputs, environment)
-    return derivative_kernel(request, packed_constants(constants), constant_speed)
+    request = packed_request(state, inputs, environment, constant_speed)
+    run(request, packed_constants(constants))
+    return found_state(request, STATE)

@@ -5,25 +5,35 @@ The physics read one vehicle from vectors, by `entry`, or several lanes from the
 
 import functools
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from ctypes import c_double
 from typing import Any
 
 import numpy as np
 
 from omni_vehicle_ros.model.constants import Constants
-from omni_vehicle_ros.model.dynamics import Environment, Inputs
+from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
+from omni_vehicle_ros.model.machine_code import Numbers
 from omni_vehicle_ros.model.state import State, Vector
 from omni_vehicle_ros.wheels import PerWheel
 
 STATE = 10  # entries of the state
+REQUEST = 25  # entries of a request beside the state
+EVALUATION = 31  # entries of an evaluation
+STILL: PerWheel = (0.0, 0.0, 0.0, 0.0)
 Read = Callable[[Vector, int, int], float]
 Write = Callable[[Vector, int, int, float], None]
 
 
 @functools.lru_cache(maxsize=8)
-def packed_constants(model: Constants) -> Vector:
+def packed_constants(model: Constants) -> Numbers:
     """Return all numbers of the constants in their order, as the kernels take them."""
-    return np.array(listed_constants(model), dtype=np.float64)
+    return counted(listed_constants(model))
+
+
+def counted(numbers: Sequence[float]) -> Numbers:
+    """Return how many numbers there are, and the numbers."""
+    return (c_double * (1 + len(numbers)))(len(numbers), *numbers)
 
 
 def listed_constants(model: Constants) -> list[float]:
@@ -36,14 +46,23 @@ def listed_constants(model: Constants) -> list[float]:
 
 
 def packed_request(
-    state: Vector, inputs: Inputs, environment: Environment, steer_rate: PerWheel | tuple[()] = ()
-) -> Vector:
+    state: Vector,
+    inputs: Inputs,
+    environment: Environment,
+    constant_speed: bool,
+    steer_rate: PerWheel = STILL,
+    steps: int = 0,
+    size: float = 0.0,
+) -> Numbers:
     """Return the numbers that change from call to call, as the kernels take them."""
     angle, force, gain = inputs
     bank, wind, friction = environment
-    numbers = (*state.tolist(), *angle, *force, *gain, bank, wind, *friction, *steer_rate)
-    # Twice as fast as np.array; a bytearray, since numba takes an array that can't be written for another type.
-    return np.frombuffer(bytearray(struct.pack(f'{len(numbers)}d', *numbers)))
+    numbers = (
+        *state.tolist(), *angle, *force, *gain, bank, wind, *friction, *steer_rate, steps, size, constant_speed
+    )  # fmt: skip
+    count = len(numbers)
+    # Twice as fast as the array's own constructor.
+    return (c_double * count).from_buffer_copy(struct.pack(f'{count}d', *numbers))
 
 
 def entry(numbers: Vector, row: int, column: int) -> float:
@@ -147,6 +166,11 @@ def request_rates(read: Read, numbers: Vector, first: int, column: int) -> PerWh
     return four(read, numbers, first + 18, column)
 
 
+def request_cycle(numbers: Vector, first: int) -> tuple[int, float, bool]:
+    """Return steps, their size [s] and whether vx is held of a packed request, whose state has ``first`` entries."""
+    return int(numbers[first + 22]), numbers[first + 23], numbers[first + 24] != 0.0
+
+
 def unpacked_request(read: Read, numbers: Vector, column: int) -> tuple[State, Inputs, Environment]:
     """Return what `packed_request` has packed, but for the rates."""
     return (
@@ -174,3 +198,45 @@ def write_four(write: Write, numbers: Vector, first: int, column: int, values: P
     write(numbers, first + 1, column, values[1])
     write(numbers, first + 2, column, values[2])
     write(numbers, first + 3, column, values[3])
+
+
+def write_evaluation(write: Write, numbers: Vector, first: int, column: int, found: Evaluation) -> None:
+    """Write an evaluation from one place on, but for ``lifted``: 27 numbers."""
+    write_four(write, numbers, first, column, found.steer_angle)
+    write_four(write, numbers, first + 4, column, found.side_slip)
+    write_four(write, numbers, first + 8, column, found.longitudinal_force)
+    write_four(write, numbers, first + 12, column, found.lateral_force)
+    write_four(write, numbers, first + 16, column, found.vertical_load)
+    write_four(write, numbers, first + 20, column, found.friction_use)
+    write(numbers, first + 24, column, found.roll_angle)
+    write(numbers, first + 25, column, found.ax)
+    write(numbers, first + 26, column, found.ay)
+
+
+def replace_by_evaluation(numbers: Vector, found: Evaluation) -> None:
+    """Write an evaluation over a request, ``lifted`` last."""
+    write_evaluation(replace, numbers, 0, 0, found)
+    for wheel in range(4):
+        numbers[27 + wheel] = 1.0 if found.lifted[wheel] else 0.0
+
+
+def found_evaluation(request: Numbers) -> Evaluation:
+    """Return the evaluation that a kernel has written over a request."""
+    n = request[:EVALUATION]
+    return Evaluation(
+        (n[0], n[1], n[2], n[3]),
+        (n[4], n[5], n[6], n[7]),
+        (n[8], n[9], n[10], n[11]),
+        (n[12], n[13], n[14], n[15]),
+        (n[16], n[17], n[18], n[19]),
+        (n[20], n[21], n[22], n[23]),
+        (n[27] != 0.0, n[28] != 0.0, n[29] != 0.0, n[30] != 0.0),
+        n[24],
+        n[25],
+        n[26],
+    )
+
+
+def found_state(request: Numbers, size: int) -> Vector:
+    """Return the state, or its rate, that a kernel has written over a request."""
+    return np.frombuffer(request)[:size]

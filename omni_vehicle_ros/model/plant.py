@@ -1,10 +1,10 @@
 """The vehicle over one control cycle: the actuators move as told, everything else holds."""
 
-from omni_vehicle_ros.model.compiled import advance_kernel
+from omni_vehicle_ros.model.compiled import kernel
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import NO_GAIN, Environment, Inputs
 from omni_vehicle_ros.model.integrate import integrate
-from omni_vehicle_ros.model.packing import STATE, packed_constants, packed_request
+from omni_vehicle_ros.model.packing import STATE, found_state, packed_constants, packed_request
 from omni_vehicle_ros.model.state import Vector, state_vector, state_view
 from omni_vehicle_ros.wheels import PerWheel
 
@@ -51,11 +51,12 @@ def advance(
     steps = max(1, round(duration / step))
     size = float(duration) / steps
     inputs = Inputs(steer_angle, drive_force, slip_gain)
-    if advance_kernel is None:
+    run = kernel('advance')
+    if run is None:
         now = state_view(state)
         return state_vector(
             integrate(now, inputs, steer_rate, environment, constants, steps, size, constant_speed)
         )
-    request = packed_request(state, inputs, environment, steer_rate)
-    advance_kernel(request, packed_constants(constants), steps, size, constant_speed)
-    return request[:STATE]
+    request = packed_request(state, inputs, environment, constant_speed, steer_rate, steps, size)
+    run(request, packed_constants(constants))
+    return found_state(request, STATE)

@@ -10,7 +10,7 @@ from omni_vehicle_ros.model import dynamics, integrate
 from omni_vehicle_ros.model.arithmetic import cos_sin, norm, positive
 from omni_vehicle_ros.model.batch import WATCHED
 from omni_vehicle_ros.model.batch_compiled import store_evaluation
-from omni_vehicle_ros.model.compiled import BRANCHES, LEAVES, advance_kernel, compile_kernels
+from omni_vehicle_ros.model.compiled import compile_lanes
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation
 from omni_vehicle_ros.model.lanes import load, select, store
@@ -79,7 +79,7 @@ def keep_signals(found: Vector, column: int, state: State, now: Evaluation) -> N
 
 
 def kernels(source: str) -> tuple[WatchKernel]:
-    """Return the kernel in plain Python; ``source`` as in `model.compiled.kernels`."""
+    """Return the kernel in plain Python; ``source`` as in `model.compiled.compile_lanes`."""
 
     def watch(
         request: Vector,
@@ -116,9 +116,7 @@ def kernels(source: str) -> tuple[WatchKernel]:
 def compile_watch() -> WatchKernel:
     """Return the kernel, not compiled before its first call."""
     helpers = keep_extremes, departure, keep_signal, keep_signals
-    found = None
-    if advance_kernel is not None:
-        found = compile_kernels(kernels, helpers, (), (), BRANCHES + LEAVES, nogil=True)
+    found = compile_lanes(kernels, helpers)
     return kernels('')[0] if found is None else found[0]
 
 

@@ -5,9 +5,9 @@ import pytest
 from omni_vehicle_ros.bench import c_step, kernel, peers
 from omni_vehicle_ros.bench.frame import Time
 from omni_vehicle_ros.errors import RunError
-from omni_vehicle_ros.model import compiled
+from omni_vehicle_ros.model.machine_code import can_compile
 
-needs_numba = pytest.mark.skipif(compiled.advance_kernel is None, reason='numba is missing or switched off')
+needs_numba = pytest.mark.skipif(not can_compile(), reason='numba is missing or switched off')
 needs_compiler = pytest.mark.skipif(c_step.compiled_step() is None, reason='there is no C compiler')
 
 

@@ -1,4 +1,4 @@
-"""Compiled and plain physics are one: the same numbers, wherever the cache is, whoever compiles first."""
+"""Compiled and plain physics are one: the same numbers, from whatever input."""
 
 import json
 import os
@@ -12,11 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import omni_vehicle_ros
-from omni_vehicle_ros.model import compiled
+from omni_vehicle_ros.model import batch_compiled
 from omni_vehicle_ros.model.body import Environment, Inputs, derivative, evaluate
 from omni_vehicle_ros.model.constants import constants
 from omni_vehicle_ros.model.dynamics import evaluation, state_rate
 from omni_vehicle_ros.model.integrate import integrate
+from omni_vehicle_ros.model.machine_code import can_compile
 from omni_vehicle_ros.model.plant import advance
 from omni_vehicle_ros.model.state import State, initial_state, state_vector, state_view
 from omni_vehicle_ros.parameters import VehicleParameters
@@ -34,7 +35,7 @@ VEHICLES = (
     VehicleParameters(tyre_model='magic_formula'),
     VehicleParameters(tyre_model='lugre'),
 )
-needs_numba = pytest.mark.skipif(compiled.advance_kernel is None, reason='numba is missing or switched off')
+needs_numba = pytest.mark.skipif(not can_compile(), reason='numba is missing or switched off')
 
 # Drives through standstill, a turn at the limit of grip, wind and bank, and prints what it finds.
 DRIVE = """
@@ -55,17 +56,6 @@ for cycle in range(400):
     if cycle % 40 == 0:
         found += [*state.tolist(), *now.lateral_force, *now.side_slip, *now.vertical_load, now.ax, now.ay]
 print(json.dumps({'found': found, 'numba': 'numba' in sys.modules}))
-"""
-
-
-EVALUATE = """
-import json
-from omni_vehicle_ros.model.body import Environment, Inputs, evaluate
-from omni_vehicle_ros.model.constants import constants
-from omni_vehicle_ros.model.state import initial_state
-from omni_vehicle_ros.parameters import VehicleParameters
-
-print(json.dumps(evaluate(initial_state(8.0), Inputs((0.1,) * 4), Environment(), constants(VehicleParameters()))))
 """
 
 
@@ -121,17 +111,17 @@ def test_compiled_and_plain_give_the_same_numbers(state, inputs, rates, road, ve
 
 
 @needs_numba
-def test_no_input_compiles_a_second_time():
+def test_whatever_the_kind_of_a_number_it_counts_the_same():
     for vehicle in VEHICLES:
-        model = constants(vehicle)
+        model, found = constants(vehicle), []
         for number in (1, 1.0, np.float32(1.0), np.int64(1)):
-            state = np.asarray(initial_state(), dtype=type(number))
+            state, four = np.asarray(initial_state(1.0), dtype=type(number)), (number,) * 4
             state.setflags(write=False)
-            evaluate(state, Inputs((number,) * 4), Environment(bank=number), model, np.bool_(True))
-            derivative(state, Inputs((number,) * 4), Environment(bank=number), model, np.bool_(True))
-            advance(state, (number,) * 4, (number,) * 4, (number,) * 4, Environment(), model, number, number, True)
-    for kernel in (compiled.evaluate_kernel, compiled.derivative_kernel, compiled.advance_kernel):
-        assert len(kernel.signatures) == 1
+            seen = evaluate(state, Inputs(four), Environment(bank=number), model, np.bool_(True))
+            rate = derivative(state, Inputs(four), Environment(bank=number), model, np.bool_(True))
+            end = advance(state, four, four, four, Environment(), model, number, number, True)
+            found.append([*flat(seen), *rate.tolist(), *end.tolist()])
+        assert found[0] == found[1] == found[2] == found[3]
 
 
 def test_a_plain_process_finds_the_same_as_a_compiled_one():
@@ -156,18 +146,7 @@ print(json.dumps('numba' in sys.modules))
 
 
 @needs_numba
-@pytest.mark.slow
-def test_processes_that_compile_at_once_into_one_cache_find_the_same_bits(tmp_path):
-    found = [result(process) for process in [start(EVALUATE, NUMBA_CACHE_DIR=str(tmp_path)) for _ in range(2)]]
-    written = {path: path.stat().st_mtime_ns for path in tmp_path.rglob('*.nb?')}
-    assert written
-    found.append(result(start(EVALUATE, NUMBA_CACHE_DIR=str(tmp_path))))
-    assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob('*.nb?')} == written
-    assert found[0] == found[1] == found[2]
-
-
-@needs_numba
-def test_without_any_place_for_the_cache_the_plain_physics_say_so(monkeypatch):
+def test_without_any_place_for_the_cache_lanes_run_plain_and_say_so(monkeypatch):
     def njit(**options):
         def refuse(function):
             raise RuntimeError('cannot cache function: no locator available')
@@ -176,9 +155,9 @@ def test_without_any_place_for_the_cache_the_plain_physics_say_so(monkeypatch):
 
     monkeypatch.setattr('numba.njit', njit)
     with pytest.warns(RuntimeWarning, match='cannot cache function.*set NUMBA_CACHE_DIR'):
-        assert compiled.compile_physics() == (None, None, None)
+        assert batch_compiled.compile_batch()[0] == 1
 
 
-def test_the_cache_knows_of_every_change_of_the_physics():
-    one, other = (compiled.kernels(text)[2].__closure__[0].cell_contents for text in ('a', 'b'))
+def test_the_cache_of_lanes_knows_of_every_change_of_the_physics():
+    one, other = (batch_compiled.kernels(text)[0].__closure__[0].cell_contents for text in ('a', 'b'))
     assert one != other

@@ -1,23 +1,23 @@
-"""The physics with 8 degrees of freedom compiled by numba, or None without it; see `model.compiled`.
-
-Nothing is compiled before the first call, so that who drives in the plane does not wait for it.
-"""
+"""The compiled physics with 8 degrees of freedom; see `model.compiled`."""
 
 import functools
-
-import numpy as np
+import sys
 
 from omni_vehicle_ros.model import compiled as plane
-from omni_vehicle_ros.model.compiled import AdvanceKernel, EvaluateKernel
-from omni_vehicle_ros.model.dynamics import Evaluation
+from omni_vehicle_ros.model.eight_dof import constants as eight_dof_constants
 from omni_vehicle_ros.model.eight_dof import dynamics, integrate, rolling, state
 from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
 from omni_vehicle_ros.model.eight_dof.state import EightDofState
+from omni_vehicle_ros.model.machine_code import Kernel, Numbers, Source, load_kernel
 from omni_vehicle_ros.model.packing import (
+    REQUEST,
+    counted,
     entry,
     four,
-    packed_constants,
+    listed_constants,
     replace,
+    replace_by_evaluation,
+    request_cycle,
     request_environment,
     request_inputs,
     request_rates,
@@ -31,13 +31,11 @@ LEAVES = (state,)
 STATE = 20  # entries of the state
 SCALARS = len(EightDofConstants._fields) - 1
 
-Kernels = tuple[EvaluateKernel, AdvanceKernel]
-
 
 @functools.lru_cache(maxsize=8)
-def packed_eight_dof(model: EightDofConstants) -> Vector:
+def packed_eight_dof(model: EightDofConstants) -> Numbers:
     """Return all numbers of the constants, those of the plane last, as the kernels take them."""
-    return np.hstack((model[1:], packed_constants(model.plane))).astype(np.float64)
+    return counted((*model[1:], *listed_constants(model.plane)))
 
 
 def _unpacked(n: Vector) -> EightDofConstants:
@@ -76,37 +74,36 @@ def _write(numbers: Vector, now: EightDofState) -> None:
     write_four(replace, numbers, 16, 0, across)
 
 
-def compile_eight_dof() -> Kernels | tuple[None, None]:
-    """Return both kernels, not compiled before their first call; None where there is no way to compile."""
-    if plane.advance_kernel is None:
-        return None, None
-    used = plane.BRANCHES + plane.LEAVES
-    return plane.compile_kernels(kernels, (_unpacked, _state, _write), BRANCHES, LEAVES, used) or (None, None)
+@functools.cache
+def kernel(name: str) -> Kernel | None:
+    """Return ``'evaluate'`` or ``'advance'``; see `model.compiled.kernel`."""
+    modules = *plane.MODULES, *BRANCHES, *LEAVES, eight_dof_constants, sys.modules[__name__]
+    return load_kernel(f'eight_dof_{name}', plane.text_of(modules), lambda: sources()[name])
 
 
-def kernels(source: str) -> Kernels:
-    """Return both kernels in plain Python.
+def sources() -> dict[str, Source]:
+    """Return what is to be compiled, by name; see `model.compiled.sources`."""
+    from numba import carray
 
-    Parameters
-    ----------
-    source
-        Text of the physics, for numba's cache, as in `model.compiled.kernels`.
-    """
-    def evaluate(request: Vector, constants: Vector, constant_speed: bool) -> Evaluation:
-        source  # noqa: B018
-        inputs = request_inputs(entry, request, STATE, 0)
-        environment = request_environment(entry, request, STATE, 0)
-        return dynamics.evaluation(_state(request), inputs, environment, _unpacked(constants), constant_speed)
+    plane.register_physics()
+    plane.register(BRANCHES, (*LEAVES, sys.modules[__name__]))
 
-    def advance(request: Vector, constants: Vector, steps: int, size: float, constant_speed: bool) -> None:
-        source  # noqa: B018
-        inputs = request_inputs(entry, request, STATE, 0)
-        environment = request_environment(entry, request, STATE, 0)
-        now, rates, model = _state(request), request_rates(entry, request, STATE, 0), _unpacked(constants)
-        end = integrate.integrate(now, inputs, rates, environment, model, steps, size, constant_speed)
-        _write(request, end)
+    def evaluate(request: Vector, constants: Vector) -> None:
+        numbers, model = carray(request, STATE + REQUEST), carray(constants, int(constants[0]) + 1)[1:]
+        inputs = request_inputs(entry, numbers, STATE, 0)
+        environment = request_environment(entry, numbers, STATE, 0)
+        _, _, constant_speed = request_cycle(numbers, STATE)
+        found = dynamics.evaluation(_state(numbers), inputs, environment, _unpacked(model), constant_speed)
+        replace_by_evaluation(numbers, found)
 
-    return evaluate, advance
+    def advance(request: Vector, constants: Vector) -> None:
+        numbers, model = carray(request, STATE + REQUEST), carray(constants, int(constants[0]) + 1)[1:]
+        inputs = request_inputs(entry, numbers, STATE, 0)
+        environment = request_environment(entry, numbers, STATE, 0)
+        rates = request_rates(entry, numbers, STATE, 0)
+        steps, size, constant_speed = request_cycle(numbers, STATE)
+        _write(numbers, integrate.integrate(
+            _state(numbers), inputs, rates, environment, _unpacked(model), steps, size, constant_speed
+        ))  # fmt: skip
 
-
-evaluate_kernel, advance_kernel = compile_eight_dof()
+    return {'evaluate': evaluate, 'advance': advance}

@@ -3,12 +3,12 @@
 import math
 
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
-from omni_vehicle_ros.model.eight_dof.compiled import STATE, advance_kernel, evaluate_kernel, packed_eight_dof
+from omni_vehicle_ros.model.eight_dof.compiled import STATE, kernel, packed_eight_dof
 from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
 from omni_vehicle_ros.model.eight_dof.dynamics import evaluation
 from omni_vehicle_ros.model.eight_dof.integrate import integrate
 from omni_vehicle_ros.model.eight_dof.state import state_vector, state_view
-from omni_vehicle_ros.model.packing import packed_request
+from omni_vehicle_ros.model.packing import found_evaluation, found_state, packed_request
 from omni_vehicle_ros.model.state import Vector
 from omni_vehicle_ros.wheels import PerWheel
 
@@ -17,9 +17,12 @@ def evaluate(
     state: Vector, inputs: Inputs, environment: Environment, constants: EightDofConstants, constant_speed: bool = False
 ) -> Evaluation:
     """Return slips, forces and loads at one instant; as `body.evaluate`, with a state of shape (20,)."""
-    if evaluate_kernel is None:
+    run = kernel('evaluate')
+    if run is None:
         return evaluation(state_view(state), inputs, environment, constants, constant_speed)
-    return evaluate_kernel(packed_request(state, inputs, environment), packed_eight_dof(constants), constant_speed)
+    request = packed_request(state, inputs, environment, constant_speed)
+    run(request, packed_eight_dof(constants))
+    return found_evaluation(request)
 
 
 def advance(
@@ -53,9 +56,10 @@ def advance(
     """
     steps = max(1, round(duration / step), math.ceil(duration / constants.longest_step))
     size = float(duration) / steps
-    if advance_kernel is None:
+    run = kernel('advance')
+    if run is None:
         end = integrate(state_view(state), inputs, steer_rate, environment, constants, steps, size, constant_speed)
         return state_vector(end)
-    request = packed_request(state, inputs, environment, steer_rate)
-    advance_kernel(request, packed_eight_dof(constants), steps, size, constant_speed)
-    return request[:STATE]
+    request = packed_request(state, inputs, environment, constant_speed, steer_rate, steps, size)
+    run(request, packed_eight_dof(constants))
+    return found_state(request, STATE)
