@@ -7,7 +7,7 @@ from setuptools import find_packages, setup
 PACKAGE = 'omni_vehicle_ros'
 ROOT = Path(__file__).resolve().parent
 RUN_TIME = [
-    'isal', 'jinja2', 'lz4', 'matplotlib', 'numba', 'numpy', 'pyarrow', 'pyyaml', 'rich', 'rosbags', 'scipy',
+    'isal', 'jinja2', 'llvmlite', 'lz4', 'matplotlib', 'numba', 'numpy', 'pyarrow', 'pyyaml', 'rich', 'rosbags', 'scipy',
     'setuptools', 'typer', 'zstandard',
 ]
 EXECUTABLES = (

@@ -29,7 +29,7 @@ from omni_vehicle_ros.model.compiled import kernel
 from omni_vehicle_ros.model.constants import constants
 from omni_vehicle_ros.model.dynamics import Environment, Inputs
 from omni_vehicle_ros.model.machine_code import Kernel, Numbers
-from omni_vehicle_ros.model.packing import STATE, found_state, listed_constants, packed_constants, packed_request
+from omni_vehicle_ros.model.packing import STATE, listed_constants, packed_constants, packed_request, vector
 from omni_vehicle_ros.model.state import Vector, initial_state
 from omni_vehicle_ros.parameters import VehicleParameters
 
@@ -98,7 +98,7 @@ def make_drives() -> list[Drive]:
 def our_works(drives: list[Drive], vehicles: int) -> dict[str, Callable[[], object]]:
     """Return what to time of ours."""
     numbers, requests = packed_constants(MODEL), [drive.request(STEPS) for drive in drives]
-    columns = np.stack([np.frombuffer(requests[number % DRIVES]) for number in range(vehicles)], axis=1)
+    columns = np.stack([vector(requests[number % DRIVES]) for number in range(vehicles)], axis=1)
     states, inputs, environment, rates, _ = np.split(columns, (10, 22, 28, 32))
     batch = partial(advance_batch, states, inputs, rates, environment, packed_batch(MODEL), BATCH_STEPS, STEP)
     first = drives[DRIVES // 2]
@@ -146,7 +146,7 @@ def drive_all(requests: list[Numbers], numbers: Numbers) -> Vector:
     advance, found = our_kernel(), [type(request).from_buffer_copy(request) for request in requests]
     for request in found:
         advance(request, numbers)
-    return np.array([found_state(request, STATE) for request in found])
+    return np.array([vector(request)[:STATE] for request in found])
 
 
 def call(request: Numbers, numbers: Numbers) -> None:
@@ -165,7 +165,7 @@ def c_works(drives: list[Drive], c_step: CStep) -> dict[str, Callable[[], object
         It has not.
     """
     numbers, packed = np.array(listed_constants(MODEL)), [drive.request(STEPS) for drive in drives]
-    requests = [np.frombuffer(request) for request in packed]
+    requests = [vector(request) for request in packed]
     bare = np.array([c_step.drive(request, numbers, STEPS, STEP) for request in requests])
     apart = float(np.max(np.abs(bare - drive_all(packed, packed_constants(MODEL))) / (1.0 + np.abs(bare))))
     if not apart <= TOLERANCE:
@@ -176,7 +176,7 @@ def c_works(drives: list[Drive], c_step: CStep) -> dict[str, Callable[[], object
             c_step.drive(request, numbers, STEPS, STEP)
 
     def call_c() -> None:
-        request = np.frombuffer(drives[DRIVES // 2].request(1))
+        request = vector(drives[DRIVES // 2].request(1))
         there, model = request.ctypes.data, numbers.ctypes.data
         for _ in range(CALLS):
             c_step.advance(there, model, 1, STEP, False)

@@ -5,7 +5,7 @@ import numpy as np
 from omni_vehicle_ros.model.compiled import kernel
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs, evaluation, state_rate
-from omni_vehicle_ros.model.packing import STATE, found_evaluation, found_state, packed_constants, packed_request
+from omni_vehicle_ros.model.packing import STATE, found_evaluation, packed_constants, packed_request, vector
 from omni_vehicle_ros.model.state import Vector, state_view
 
 __all__ = ['Environment', 'Evaluation', 'Inputs', 'derivative', 'evaluate']
@@ -50,4 +50,4 @@ def derivative(
         return np.array(state_rate(state_view(state), inputs, environment, constants, constant_speed))
     request = packed_request(state, inputs, environment, constant_speed)
     run(request, packed_constants(constants))
-    return found_state(request, STATE)
+    return vector(request)[:STATE]

@@ -237,6 +237,6 @@ def found_evaluation(request: Numbers) -> Evaluation:
     )
 
 
-def found_state(request: Numbers, size: int) -> Vector:
-    """Return the state, or its rate, that a kernel has written over a request."""
-    return np.frombuffer(request)[:size]
+def vector(numbers: Any) -> Vector:
+    """Return `Numbers` as a vector, which shares their memory."""
+    return np.frombuffer(numbers)

@@ -4,7 +4,7 @@ from omni_vehicle_ros.model.compiled import kernel
 from omni_vehicle_ros.model.constants import Constants
 from omni_vehicle_ros.model.dynamics import NO_GAIN, Environment, Inputs
 from omni_vehicle_ros.model.integrate import integrate
-from omni_vehicle_ros.model.packing import STATE, found_state, packed_constants, packed_request
+from omni_vehicle_ros.model.packing import STATE, packed_constants, packed_request, vector
 from omni_vehicle_ros.model.state import Vector, state_vector, state_view
 from omni_vehicle_ros.wheels import PerWheel
 
@@ -59,4 +59,4 @@ def advance(
         )
     request = packed_request(state, inputs, environment, constant_speed, steer_rate, steps, size)
     run(request, packed_constants(constants))
-    return found_state(request, STATE)
+    return vector(request)[:STATE]

@@ -11,8 +11,8 @@ from omni_vehicle_ros import interface
 
 # What a package of PyPI is called by rosdep and in an import, where that is not its own name.
 ROSDEP_KEYS = {
-    'pyyaml': 'python3-yaml', 'rosbags': 'python3-rosbags-pip', 'isal': None, 'lz4': None, 'pyarrow': None,
-    'zstandard': None,
+    'pyyaml': 'python3-yaml', 'rosbags': 'python3-rosbags-pip', 'isal': None, 'llvmlite': None, 'lz4': None,
+    'pyarrow': None, 'zstandard': None,
 }
 IMPORT_NAMES = {'commonroad-vehicle-models': 'vehiclemodels', 'mcap-ros2-support': 'mcap_ros2', 'pyyaml': 'yaml'}
 # What is no node of a run.

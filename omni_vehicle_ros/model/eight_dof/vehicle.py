@@ -8,7 +8,7 @@ from omni_vehicle_ros.model.eight_dof.constants import EightDofConstants
 from omni_vehicle_ros.model.eight_dof.dynamics import evaluation
 from omni_vehicle_ros.model.eight_dof.integrate import integrate
 from omni_vehicle_ros.model.eight_dof.state import state_vector, state_view
-from omni_vehicle_ros.model.packing import found_evaluation, found_state, packed_request
+from omni_vehicle_ros.model.packing import found_evaluation, packed_request, vector
 from omni_vehicle_ros.model.state import Vector
 from omni_vehicle_ros.wheels import PerWheel
 
@@ -62,4 +62,4 @@ def advance(
         return state_vector(end)
     request = packed_request(state, inputs, environment, constant_speed, steer_rate, steps, size)
     run(request, packed_eight_dof(constants))
-    return found_state(request, STATE)
+    return vector(request)[:STATE]
