@@ -60,9 +60,14 @@ def packed_request(
     numbers = (
         *state.tolist(), *angle, *force, *gain, bank, wind, *friction, *steer_rate, steps, size, constant_speed
     )  # fmt: skip
-    count = len(numbers)
-    # Twice as fast as the array's own constructor.
-    return (c_double * count).from_buffer_copy(struct.pack(f'{count}d', *numbers))
+    array, form = _array_and_form(len(numbers))
+    # Thrice as fast as the array's own constructor.
+    return array.from_buffer_copy(form.pack(*numbers))
+
+
+@functools.cache
+def _array_and_form(count: int) -> tuple[type[Numbers], struct.Struct]:
+    return c_double * count, struct.Struct(f'{count}d')
 
 
 def entry(numbers: Vector, row: int, column: int) -> float:
