@@ -28,7 +28,7 @@ Source = Callable[[Vector, Vector], None]
 
 ENTRY = 'kernel'
 LIBRARY = 'libm.so.6'
-FUNCTIONS = frozenset({'atan', 'atan2', 'cos', 'exp', 'expm1', 'sin', 'sincos'})
+FUNCTIONS = frozenset({'atan', 'atan2', 'cos', 'exp', 'expm1', 'hypot', 'sin', 'sincos'})
 """All that machine code may call: `LIBRARY` has it."""
 DIGEST = hashlib.sha256().digest_size
 
