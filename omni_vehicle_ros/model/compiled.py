@@ -53,6 +53,8 @@ LEAVES = (
 )  # fmt: skip
 RARE = (loop.bisected,)
 """Not worth inlining all the same."""
+COUNTED = (unpacked_constants,)
+"""Gives an array back, to which it must count the reference."""
 MODULES = (lanes, constants, *BRANCHES, *LEAVES, machine_code, sys.modules[__name__])
 LANES_FILE = Path(__file__).with_name('compiled_lanes.py')  # which only who compiles can import
 K = TypeVar('K', bound=tuple[Callable[..., Any], ...])
@@ -123,7 +125,7 @@ def register(branches: Iterable[ModuleType], leaves: Iterable[ModuleType]) -> No
     for function in itertools.chain(*map(_functions, branches)):
         register_jitable(_nrt=False)(function)
     for function in itertools.chain(*map(_functions, leaves)):
-        register_jitable(forceinline=function not in RARE, _nrt=False)(function)
+        register_jitable(forceinline=function not in RARE, _nrt=function in COUNTED)(function)
 
 
 def compile_lanes(make: Callable[[str], K], helpers: tuple[Callable[..., object], ...]) -> K | None:
