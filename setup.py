@@ -7,8 +7,8 @@ from setuptools import find_packages, setup
 PACKAGE = 'omni_vehicle_ros'
 ROOT = Path(__file__).resolve().parent
 RUN_TIME = [
-    'isal', 'jinja2', 'llvmlite', 'lz4', 'matplotlib', 'numba', 'numpy', 'pyarrow', 'pyyaml', 'rich', 'rosbags', 'scipy',
-    'setuptools', 'typer', 'zstandard',
+    'isal', 'jinja2', 'llvmlite', 'lz4', 'matplotlib', 'numba', 'numpy', 'pyarrow', 'pyyaml', 'rich', 'rosbags',
+    'scipy', 'setuptools', 'typer', 'zstandard',
 ]
 EXECUTABLES = (
     'omni_vehicle', 'analyse', 'driver', 'icr_steering', 'odom_transform', 'plant', 'recorder', 'replay',
