@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
+from launch.substitutions import EnvironmentVariable, LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
@@ -45,6 +45,12 @@ def arguments() -> list[DeclareLaunchArgument]:
     ]
 
 
+def this_machine() -> SetEnvironmentVariable:
+    """Return what limits discovery to this machine, unless the user has said otherwise."""
+    name = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+    return SetEnvironmentVariable(name, EnvironmentVariable(name, default_value='LOCALHOST'))
+
+
 def nodes(context: LaunchContext) -> list[Node]:
     """Return the nodes that the arguments ask for.
 
@@ -77,6 +83,7 @@ def nodes(context: LaunchContext) -> list[Node]:
             name=executable,
             namespace=namespace,
             parameters=[LaunchConfiguration('params_file'), {**common, **parameters}],
+            ros_arguments=['--enclave', f'/{namespace}/{executable}'.replace('//', '/')],
             output='screen',
         )
 
@@ -87,4 +94,4 @@ def nodes(context: LaunchContext) -> list[Node]:
 
 def generate_launch_description() -> LaunchDescription:
     """Return what ``ros2 launch omni_vehicle_ros vehicle.launch.py`` starts."""
-    return LaunchDescription([*arguments(), OpaqueFunction(function=nodes)])
+    return LaunchDescription([this_machine(), *arguments(), OpaqueFunction(function=nodes)])

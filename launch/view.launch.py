@@ -4,8 +4,8 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
+from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
 
 PACKAGE = 'omni_vehicle_ros'
@@ -24,6 +24,12 @@ def arguments() -> list[DeclareLaunchArgument]:
         ),
         DeclareLaunchArgument('rviz', default_value='true', choices=truth, description='Whether to start RViz.'),
     ]
+
+
+def this_machine() -> SetEnvironmentVariable:
+    """Return what limits discovery to this machine, unless the user has said otherwise."""
+    name = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+    return SetEnvironmentVariable(name, EnvironmentVariable(name, default_value='LOCALHOST'))
 
 
 def nodes(context: LaunchContext) -> list[Node]:
@@ -50,4 +56,4 @@ def nodes(context: LaunchContext) -> list[Node]:
 
 def generate_launch_description() -> LaunchDescription:
     """Return what ``ros2 launch omni_vehicle_ros view.launch.py`` starts."""
-    return LaunchDescription([*arguments(), OpaqueFunction(function=nodes)])
+    return LaunchDescription([this_machine(), *arguments(), OpaqueFunction(function=nodes)])

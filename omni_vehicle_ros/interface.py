@@ -18,6 +18,7 @@ DRIVER = 'driver'
 RECORDER = 'recorder'
 WHEEL_MODULES = tuple(f'{wheel}/wheel_module' for wheel in WHEELS)
 ANYONE = 'anyone'
+EMERGENCY_STOP = 'emergency_stop'
 
 NODES = (PLANT, *WHEEL_MODULES, ICR_STEERING, SIDE_SLIP_CONTROLLER, DRIVER, RECORDER)
 
@@ -113,6 +114,14 @@ def _wheel_topics(number: int) -> tuple[Topic, ...]:
     )
 
 
+_TWIST_FIELDS = (
+    ('header.stamp', 'when it was said; 0 means now'),
+    ('header.frame_id', 'base_link, or empty'),
+    ('twist.linear.x, twist.linear.y', 'velocity of the centre of gravity, ahead and to the left [m/s]'),
+    ('twist.angular.z', 'yaw rate, anticlockwise [rad/s]'),
+    ('the rest', 'not used'),
+)
+
 TOPICS: tuple[Topic, ...] = (
     Topic(
         'driver/icr', 'geometry_msgs/msg/PointStamped', COMMAND, (DRIVER, ANYONE), (ICR_STEERING,),
@@ -151,18 +160,29 @@ TOPICS: tuple[Topic, ...] = (
     ),
     Topic(
         'cmd_vel', 'geometry_msgs/msg/TwistStamped', COMMAND, (DRIVER, ANYONE), (ICR_STEERING,),
-        'Body twist, for Nav2 and teleop, in place of driver/icr and driver/speed: crab and spin in place included.',
-        (
-            ('header.stamp', 'when it was said; 0 means now'),
-            ('header.frame_id', 'base_link, or empty'),
-            ('twist.linear.x, twist.linear.y', 'velocity of the centre of gravity, ahead and to the left [m/s]'),
-            ('twist.angular.z', 'yaw rate, anticlockwise [rad/s]'),
-            ('the rest', 'not used'),
-        ), BASE_FRAME,
+        'Body twist, for Nav2 and other autonomy, in place of driver/icr and driver/speed: crab and spin in place '
+        'included. Ignored while driver/speed, driver/traction or teleop/cmd_vel is fresh.',
+        _TWIST_FIELDS, BASE_FRAME,
         example='{header: {frame_id: base_link}, twist: {linear: {x: 1.0, y: 1.0}, angular: {z: 0.2}}}',
     ),
     Topic(
-        'driver/step', 'sensor_msgs/msg/TimeReference', COMMAND, (DRIVER,), (ICR_STEERING, PLANT, RECORDER),
+        'teleop/cmd_vel', 'geometry_msgs/msg/TwistStamped', COMMAND, (DRIVER, ANYONE), (ICR_STEERING,),
+        'The same from a hand: as long as it comes, cmd_vel is ignored. The latest of this, driver/speed and '
+        'driver/traction holds.',
+        _TWIST_FIELDS, BASE_FRAME,
+        example='{header: {frame_id: base_link}, twist: {linear: {x: 1.0}}}',
+    ),
+    Topic(
+        EMERGENCY_STOP, 'std_msgs/msg/Bool', LATCHED, (DRIVER, ANYONE), (ICR_STEERING, *WHEEL_MODULES),
+        'Emergency stop: true brakes to rest with the steer angles held. It lasts until false has been said, the '
+        'vehicle stands, and whoever drives commands speed 0. Latched publishers reach nodes that start later; a '
+        'volatile one does as well for those that run.',
+        (('data', 'true: stop; false: a stop may end'),),
+        example='{data: true}',
+    ),
+    Topic(
+        'driver/step', 'sensor_msgs/msg/TimeReference', COMMAND, (DRIVER,),
+        (ICR_STEERING, *WHEEL_MODULES, PLANT, RECORDER),
         'Lock step only: the driver has said all that it has to say in this cycle.',
         (
             ('header.stamp', 'the cycle'),

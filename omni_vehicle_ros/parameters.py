@@ -236,6 +236,7 @@ class SteeringParameters(Parameters):
         0.5, 'Largest change of the direction of the commanded twist (vx, vy, r L), L = half the wheelbase; 0: no limit.', unit='rad/s', low=0.0, high=100.0
     )
     command_timeout: float = parameter(0.5, 'Age at which a driver command is stale: speed ramps to 0, angles hold; 0: never.', unit='s', low=0.0, high=60.0)
+    emergency_deceleration: float = parameter(6.0, 'What an emergency stop asks of the tyres, braking and turning together; at most the friction of the road times gravity.', unit='m/s2', low=0.5, high=20.0)
     alignment_slowdown: bool = parameter(True, 'Slow down while the wheels do not yet point where they should.')
     speed_gain: float = parameter(2.0, 'Proportional gain of the speed controller, times the mass.', unit='1/s', low=0.0, high=20.0)
     speed_integral_gain: float = parameter(1.0, 'Integral gain of the speed controller, times the mass.', unit='1/s2', low=0.0, high=20.0)
@@ -262,6 +263,7 @@ class WheelModuleParameters(Parameters):
     drive_torque_limit: float = parameter(1050.0, 'Largest drive or brake torque.', unit='N m', low=0.0, high=1e5)
     module_timeout: float = parameter(0.1, 'Age of a set-point at which the module holds its angle and brakes its wheel; 0: never.', unit='s', low=0.0, high=60.0)
     brake_gain: float = parameter(150.0, 'Brake torque per wheel speed when the set-point is stale.', unit='N m s/rad', low=0.0, high=1e5)
+    emergency_torque: float = parameter(100.0, 'Least brake torque of a rolling wheel in an emergency stop, whatever it is commanded.', unit='N m', low=0.0, high=1e5)
 
 
 @dataclass(frozen=True)

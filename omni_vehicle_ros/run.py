@@ -117,8 +117,9 @@ def check_commands(scenario: Scenario) -> None:
         try:
             if isinstance(command.icr, tuple):
                 check_icr(Point(0, *command.icr), scenario.vehicle, scenario.steering)
-            if command.cmd_vel is not None:
-                check_cmd_vel(Twist(0, *command.cmd_vel), scenario.vehicle, scenario.steering)
+            if command.twist is not None:
+                topic = 'teleop' if command.cmd_vel is None else 'cmd_vel'
+                check_cmd_vel(Twist(0, *command.twist), scenario.vehicle, scenario.steering, topic)
         except CommandError as error:
             raise RunError(f'{scenario.name}: commands[{number}]: {error}') from None
 

@@ -15,7 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 from rosgraph_msgs.msg import Clock as RosClock
 from sensor_msgs.msg import Imu as RosImu
 from sensor_msgs.msg import JointState, MultiDOFJointState, TimeReference
-from std_msgs.msg import String
+from std_msgs.msg import Bool, String
 
 from omni_vehicle_ros import messages
 from omni_vehicle_ros.errors import MessageError
@@ -135,6 +135,11 @@ def ros_text(value):
     return String(data=value.data)
 
 
+def ros_flag(value):
+    """Return rclpy's message."""
+    return Bool(data=value.data)
+
+
 def ros_diagnostics(value):
     """Return rclpy's message."""
     message = stamped(DiagnosticArray, value)
@@ -189,6 +194,7 @@ def cases(real):
         ),
         'rosgraph_msgs/msg/Clock': (ros_clock, st.builds(messages.Clock, stamps)),
         'sensor_msgs/msg/TimeReference': (ros_step, st.builds(messages.Step, stamps, stamps, words)),
+        'std_msgs/msg/Bool': (ros_flag, st.builds(messages.Flag, st.booleans())),
         'std_msgs/msg/String': (ros_text, st.builds(messages.Text, texts)),
         'diagnostic_msgs/msg/DiagnosticArray': (
             ros_diagnostics,
@@ -410,8 +416,8 @@ def test_what_does_not_fit_is_refused(type_name, value):
 
 
 def test_unknown_types_are_named_with_the_known_ones():
-    for call in (lambda: encode('std_msgs/msg/Bool', None), lambda: decode('std_msgs/msg/Bool', b'')):
-        with pytest.raises(MessageError, match=r'std_msgs/msg/Bool.*geometry_msgs/msg/PointStamped'):
+    for call in (lambda: encode('std_msgs/msg/Char', None), lambda: decode('std_msgs/msg/Char', b'')):
+        with pytest.raises(MessageError, match=r'std_msgs/msg/Char.*geometry_msgs/msg/PointStamped'):
             call()
 
 

@@ -91,8 +91,13 @@ def timeline(scenario: Scenario) -> list[tuple[str, str]]:
 
 
 def _said(command: Command, straight_radius: float) -> str:
-    if command.cmd_vel is not None:
-        vx, vy, yaw_rate = command.cmd_vel
+    stop = {None: '', True: 'emergency stop; ', False: 'no emergency stop; '}[command.emergency_stop]
+    return stop + _aimed(command, straight_radius)
+
+
+def _aimed(command: Command, straight_radius: float) -> str:
+    if command.twist is not None:
+        vx, vy, yaw_rate = command.twist
         return f'twist {vx:g} m/s ahead, {vy:g} m/s to the left, {yaw_rate:g} rad/s'
     if command.icr is None:
         return 'the driver says nothing'

@@ -3,7 +3,7 @@
 from omni_vehicle_ros.components.component import ERROR, Output, Reporter
 from omni_vehicle_ros.components.joints import VehicleJoints, module_joints, vehicle_joints
 from omni_vehicle_ros.control.icr_steering import IcrSteering as Law
-from omni_vehicle_ros.messages import Joints, Point, Twist, Value, Wrench
+from omni_vehicle_ros.messages import Flag, Joints, Point, Twist, Value, Wrench
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
@@ -24,6 +24,8 @@ class IcrSteering:
     ) -> None:
         self.name = name
         self._law = Law(vehicle, steering, control_period)
+        law = self._law
+        self._twists = {'driver/speed': law.speed, 'teleop/cmd_vel': law.teleop, 'cmd_vel': law.cmd_vel}
         self._joints = VehicleJoints()
         self._blind = False
         self._reporter = Reporter(name)
@@ -39,7 +41,9 @@ class IcrSteering:
         elif isinstance(value, Wrench):
             self._law.traction(value, now)
         elif isinstance(value, Twist):
-            (self._law.cmd_vel if topic == 'cmd_vel' else self._law.speed)(value, now)
+            self._twists[topic](value, now)
+        elif isinstance(value, Flag):
+            self._law.emergency_stop(value.data)
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the set-points that belong to ``stamp`` [ns]."""

@@ -3,6 +3,9 @@
 from typing import Protocol
 
 from omni_vehicle_ros import interface
+from omni_vehicle_ros.components.unstamped import TOPICS as UNSTAMPED
+from omni_vehicle_ros.components.unstamped import Unstamped
+from omni_vehicle_ros.messages import decode
 from omni_vehicle_ros.messages.stamps import stamp_of
 
 SETTLE = 40
@@ -47,11 +50,18 @@ class Journal:
         self._cyclic = [row.cyclic for row in rows]
         self._last: dict[int, int] = {}
         self._pending: dict[int, list[tuple[int, bytes | int, bytes]]] = {}
+        self._unstamped = Unstamped()
         for row, name in zip(rows, self._names, strict=True):
             writer.add_topic(name, row.type, row.qos)
 
     def add(self, topic: str, data: bytes) -> int:
-        """Take a message, and return its stamp [ns]; the one that begins a cycle also writes what has settled."""
+        """Take a message, and return its stamp [ns]; the one that begins a cycle also writes what has settled.
+
+        A message without a stamp counts as said now.
+        """
+        if topic in UNSTAMPED:
+            self._keep_all(self._unstamped.hear(topic, data, self.now))
+            return self.now
         index = self._index[topic]
         stamp = said = stamp_of(data)
         if topic == 'joint_states':
@@ -61,10 +71,19 @@ class Journal:
             stamp = self.now
         if self._cyclic[index]:
             self._count(index, stamp)
+        self._keep(topic, data, stamp)
+        if topic == 'driver/step':
+            self._keep_all(self._unstamped.name(decode(interface.topic(topic).type, data)))
+        return said
+
+    def _keep(self, topic: str, data: bytes, stamp: int) -> None:
         # Many nodes speak on /diagnostics at the same time: there the text decides, else who came first.
         waiting = self._pending.setdefault(stamp, [])
-        waiting.append((index, data if topic == '/diagnostics' else len(waiting), data))
-        return said
+        waiting.append((self._index[topic], data if topic == '/diagnostics' else len(waiting), data))
+
+    def _keep_all(self, messages: list[tuple[str, bytes, int]]) -> None:
+        for topic, data, stamp in messages:
+            self._keep(topic, data, stamp)
 
     def _count(self, index: int, stamp: int) -> None:
         last = self._last.get(index, stamp - self.period)
@@ -81,6 +100,7 @@ class Journal:
 
     def _write(self, until: int | None) -> None:
         """Write what is stamped up to ``until`` [ns], in order."""
+        self._keep_all(self._unstamped.give_up(until))
         for stamp in sorted(stamp for stamp in self._pending if until is None or stamp <= until):
             ready = sorted(self._pending.pop(stamp))
             for index, _, data in ready:

@@ -6,7 +6,7 @@ from omni_vehicle_ros.control.health import Note
 from omni_vehicle_ros.control.wheel_module import Setpoint, Trim
 from omni_vehicle_ros.control.wheel_module import WheelModule as Law
 from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER
-from omni_vehicle_ros.messages import Joints, Value
+from omni_vehicle_ros.messages import Flag, Joints, Value
 from omni_vehicle_ros.parameters import WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
@@ -56,7 +56,9 @@ class WheelModule:
         self._reporter = Reporter(self.name)
 
     def receive(self, topic: str, value: Value, now: int) -> None:
-        """Take the measured joints, a set-point or a trim."""
+        """Take the measured joints, a set-point, a trim or an emergency stop."""
+        if isinstance(value, Flag):
+            self._law.emergency_stop(value.data)
         if not isinstance(value, Joints):
             return
         if topic == 'joint_states':

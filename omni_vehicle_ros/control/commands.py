@@ -170,7 +170,9 @@ def check_traction(command: WrenchCommand, vehicle: VehicleParameters, steering:
     )
 
 
-def check_cmd_vel(command: TwistCommand, vehicle: VehicleParameters, steering: SteeringParameters) -> TwistDemand:
+def check_cmd_vel(
+    command: TwistCommand, vehicle: VehicleParameters, steering: SteeringParameters, source: str = 'cmd_vel'
+) -> TwistDemand:
     """Return direction and magnitude of a commanded twist; too fast a one is slowed down and keeps its ICR.
 
     Raises
@@ -179,17 +181,17 @@ def check_cmd_vel(command: TwistCommand, vehicle: VehicleParameters, steering: S
         Not finite, in another frame, or out of the wheels' reach.
     """
     vx, vy, yaw_rate = command.vx, command.vy, command.yaw_rate
-    _check_numbers('cmd_vel', command.frame, vx=vx, vy=vy, yaw_rate=yaw_rate)
+    _check_numbers(source, command.frame, vx=vx, vy=vy, yaw_rate=yaw_rate)
     found = motion_of_twist(vx, vy, yaw_rate, length_scale(vehicle))
     if found is None or abs(found[1]) < NO_MOTION:
         return TwistDemand(None, 0.0, '')
     motion, magnitude = found
-    _check_reach('cmd_vel', motion, vehicle, steering)
+    _check_reach(source, motion, vehicle, steering)
     limit, speed = steering.maximum_speed, math.hypot(vx, vy)
     if speed <= limit:
         return TwistDemand(motion, magnitude, '')
     slowed = math.copysign(limit / math.hypot(motion.ux, motion.uy), magnitude)
-    return TwistDemand(motion, slowed, _clamped('cmd_vel', speed, 'maximum_speed', limit, 'm/s'))
+    return TwistDemand(motion, slowed, _clamped(source, speed, 'maximum_speed', limit, 'm/s'))
 
 
 def _check_numbers(source: str, frame: str, **numbers: float) -> None:

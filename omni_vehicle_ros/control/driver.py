@@ -1,13 +1,13 @@
-"""What the driver wants now: the latest valid source wins, and each is watched for its age.
+"""What the driver wants now: one valid source at a time holds, and each is watched for its age.
 
-There are three sources: driver/icr with driver/speed, driver/icr with driver/traction, and cmd_vel. The
-speed, the traction or the twist carries the heartbeat. The ICR is latched: it need be said once only, and is
-straight on before.
+There are four sources: driver/icr with driver/speed, driver/icr with driver/traction, teleop/cmd_vel, and
+cmd_vel; `omni_vehicle_ros.control.arbitration` chooses. The speed, the traction or the twist carries the
+heartbeat. The ICR is latched: it need be said once only, and is straight on before.
 """
 
-from enum import Enum
 from typing import NamedTuple
 
+from omni_vehicle_ros.control.arbitration import Arbitration, Source
 from omni_vehicle_ros.control.commands import (
     PointCommand,
     TractionDemand,
@@ -19,20 +19,11 @@ from omni_vehicle_ros.control.commands import (
     check_speed,
     check_traction,
 )
-from omni_vehicle_ros.control.freshness import NANOSECONDS, CommandMonitor, Freshness
+from omni_vehicle_ros.control.freshness import NANOSECONDS, Freshness
 from omni_vehicle_ros.control.health import ERROR, WARN
 from omni_vehicle_ros.control.motion import STRAIGHT, Motion, magnitude_of_speed
 from omni_vehicle_ros.errors import CommandError
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
-
-
-class Source(Enum):
-    """Topic that carries the heartbeat."""
-
-    SPEED = 'driver/speed'
-    TRACTION = 'driver/traction'
-    CMD_VEL = 'cmd_vel'
-
 
 REFUSAL_SHOWN = NANOSECONDS
 """How long a refusal is reported [ns]."""
@@ -55,6 +46,12 @@ class Demand(NamedTuple):
     magnitude: float
     traction: TractionDemand | None = None
 
+    @property
+    def rest(self) -> bool:
+        """Whether nothing is to move: no speed, no traction, no yaw moment."""
+        traction = self.traction
+        return not self.magnitude and (traction is None or (traction.force <= 0.0 and not traction.yaw_moment))
+
 
 class Driver:
     """Takes the commands of all sources and says what holds.
@@ -72,13 +69,12 @@ class Driver:
 
     def forget(self) -> None:
         """Begin anew, as if no command had ever come."""
-        self._monitors = {source: CommandMonitor(self._steering.command_timeout) for source in Source}
-        self._source: Source | None = None
+        self._arbitration = Arbitration(self._steering.command_timeout)
         self._icr: Motion | None = None
         self._lost = False  # the driver has said where to turn, but never to where that can be
         self._speed = 0.0
         self._traction = TractionDemand(0.0, 0.0, '')
-        self._twist = TwistDemand(None, 0.0, '')
+        self._twists = dict.fromkeys((Source.TELEOP, Source.CMD_VEL), TwistDemand(None, 0.0, ''))
         self._refused: dict[str, tuple[str, int]] = {}
         self._clamped: dict[Source, str] = {}
 
@@ -98,7 +94,7 @@ class Driver:
         try:
             self._speed, warning = check_speed(command, self._steering)
         except CommandError as error:
-            self._refuse(Source.SPEED.value, error, now)
+            self._refuse(Source.SPEED.topic, error, now)
         else:
             self._accept(Source.SPEED, command.stamp, now, warning)
 
@@ -107,33 +103,42 @@ class Driver:
         try:
             self._traction = check_traction(command, self._vehicle, self._steering)
         except CommandError as error:
-            self._refuse(Source.TRACTION.value, error, now)
+            self._refuse(Source.TRACTION.topic, error, now)
         else:
             self._accept(Source.TRACTION, command.stamp, now, self._traction.warning)
 
     def cmd_vel(self, command: TwistCommand, now: int) -> None:
-        """Take a twist that came in at ``now`` [ns]; a bad one is refused and the last good one kept."""
+        """Take a twist of autonomy that came in at ``now`` [ns]; a bad one is refused and the last good one kept."""
+        self._take_twist(Source.CMD_VEL, command, now)
+
+    def teleop(self, command: TwistCommand, now: int) -> None:
+        """Take a twist of a hand that came in at ``now`` [ns]; a bad one is refused and the last good one kept."""
+        self._take_twist(Source.TELEOP, command, now)
+
+    def _take_twist(self, source: Source, command: TwistCommand, now: int) -> None:
         try:
-            self._twist = check_cmd_vel(command, self._vehicle, self._steering)
+            twist = check_cmd_vel(command, self._vehicle, self._steering, source.topic)
         except CommandError as error:
-            self._refuse(Source.CMD_VEL.value, error, now)
+            self._refuse(source.topic, error, now)
         else:
-            self._accept(Source.CMD_VEL, command.stamp, now, self._twist.warning)
+            self._twists[source] = twist
+            self._accept(source, command.stamp, now, twist.warning)
 
     def demand(self, now: int) -> Demand:
         """Return what holds at ``now`` [ns].
 
         Without any source an ICR alone steers, at speed 0. A stale source wants speed 0 and no other angles.
         """
-        if self._source is None:
+        source = self._arbitration.choose(now)
+        if source is None:
             return Demand(self._icr, 0.0)
         if self.state(now) is Freshness.STALE:
             return Demand(None, 0.0)
-        if self._source is Source.CMD_VEL:
-            return Demand(self._twist.motion, self._twist.magnitude)
+        if source in self._twists:
+            return Demand(self._twists[source].motion, self._twists[source].magnitude)
         if self._lost:
             return Demand(None, 0.0)
-        if self._source is Source.TRACTION:
+        if source is Source.TRACTION:
             return Demand(self._icr or STRAIGHT, 0.0, self._traction)
         if self._icr is None:
             return Demand(STRAIGHT if self._speed else None, self._speed)
@@ -141,27 +146,31 @@ class Driver:
 
     def state(self, now: int) -> Freshness:
         """Return whether the source that holds is fresh at ``now`` [ns]."""
-        return Freshness.NEVER if self._source is None else self._monitors[self._source].state(now)
+        return self._arbitration.state(now)
 
     @property
     def source(self) -> str:
         """Topic of the source that holds; empty if there is none yet."""
-        return '' if self._source is None else self._source.value
+        source = self._arbitration.source
+        return '' if source is None else source.topic
 
     def notes(self, now: int) -> list[tuple[int, str]]:
         """Return levels and messages of what is wrong at ``now`` [ns]."""
         notes = [(ERROR, text) for text, when in self._refused.values() if now - when <= REFUSAL_SHOWN]
-        if self._source is None:
+        source = self._arbitration.source
+        if source is None:
             return notes
-        source = self._source
+        for other in self._arbitration.ignored(now):
+            text = f'{other.topic} is ignored: {source.topic} holds, and {source.kind} goes before {other.kind}'
+            notes.append((WARN, text))
         if self.state(now) is Freshness.STALE:
             limit = self._steering.command_timeout
-            text = f'{source.value} is older than command_timeout, {limit:g} s: speed goes to 0, steer angles hold'
+            text = f'{source.topic} is older than command_timeout, {limit:g} s: speed goes to 0, steer angles hold'
             return [*notes, (WARN, text)]
         if self._clamped.get(source):
             notes.append((WARN, self._clamped[source]))
-        if self._monitors[source].warning:
-            notes.append((WARN, f'{source.value}: {self._monitors[source].warning}'))
+        if self._arbitration.warning:
+            notes.append((WARN, f'{source.topic}: {self._arbitration.warning}'))
         return notes
 
     def _refuse(self, topic: str, error: CommandError, now: int) -> None:
@@ -169,7 +178,6 @@ class Driver:
         self._refused[topic] = f'{error}; refused, {holds}', now
 
     def _accept(self, source: Source, stamp: int, now: int, warning: str) -> None:
-        self._refused.pop(source.value, None)
+        self._refused.pop(source.topic, None)
         self._clamped[source] = warning
-        self._monitors[source].received(stamp, now)
-        self._source = source
+        self._arbitration.received(source, stamp, now)

@@ -66,6 +66,10 @@ class CommandMonitor:
         fresh = self._timeout == 0 or now - self._since <= self._timeout
         return Freshness.FRESH if fresh else Freshness.STALE
 
+    def age(self, now: int) -> int:
+        """Return how old the last command is at ``now`` [ns]; there must be one."""
+        return now - (self._since or 0)
+
     def forget(self) -> None:
         """Begin anew, as if no command had ever come: for a clock that jumped back."""
         self._since, self.warning = None, ''

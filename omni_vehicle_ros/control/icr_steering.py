@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from omni_vehicle_ros.control.commands import PointCommand, TractionDemand, TwistCommand, WrenchCommand, steer
 from omni_vehicle_ros.control.driver import Demand, Driver
+from omni_vehicle_ros.control.emergency_stop import EmergencyBrake, EmergencyStop
 from omni_vehicle_ros.control.freshness import NANOSECONDS, Freshness
 from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
 from omni_vehicle_ros.control.motion import (
@@ -39,6 +40,9 @@ _MISALIGNED = 0.8
 
 # Wheel speeds of a vehicle at rest [m/s].
 _REST_SPEED = 0.05
+
+# Below this an emergency stop ends as any stop does, and then holds the vehicle where it stands [m/s].
+_CREEPING = 0.3
 
 # A wheel slower than this share of the fastest is near the ICR: where it points hardly matters.
 _SLOW_WHEEL = 0.05
@@ -109,6 +113,8 @@ class IcrSteering:
         self._period = control_period
         self._driver = Driver(vehicle, steering)
         self._speed_controller = SpeedController(vehicle, steering)
+        self._stop = EmergencyStop()
+        self._emergency_brake = EmergencyBrake(vehicle, steering)
         self._measured_angles = self._measured_speeds = _ZERO
         self._start()
 
@@ -141,6 +147,14 @@ class IcrSteering:
         """Take a message of cmd_vel that came in at ``now`` [ns]."""
         self._driver.cmd_vel(command, now)
 
+    def teleop(self, command: TwistCommand, now: int) -> None:
+        """Take a message of teleop/cmd_vel that came in at ``now`` [ns]."""
+        self._driver.teleop(command, now)
+
+    def emergency_stop(self, stop: bool) -> None:
+        """Take a message of emergency_stop."""
+        self._stop.say(stop)
+
     def update(self, now: int, steer_angles: PerWheel, wheel_speeds: PerWheel) -> Setpoints:
         """Return the set-points of a cycle.
 
@@ -164,7 +178,7 @@ class IcrSteering:
             self._magnitude, dt = None, _LONGEST_STEP * self._period
         self._now = now
         self._measure(steer_angles, wheel_speeds)
-        demand = self._driver.demand(now)
+        demand = self._allowed(self._driver.demand(now), now)
         sense = self._turn(demand.motion, dt)
         self._twist = measured_twist(
             self._measured_speeds, self._measured_angles, self._motion or STRAIGHT, self._vehicle
@@ -193,6 +207,15 @@ class IcrSteering:
             limit = self._steering.steer_limit
             self._angles = per_wheel(lambda i: min(max(self._measured_angles[i], -limit), limit))
 
+    def _allowed(self, demand: Demand, now: int) -> Demand:
+        """Return what may be done of a demand: nothing but to stand in an emergency stop."""
+        fresh = self._driver.state(now) is Freshness.FRESH
+        standing = max(map(abs, self._measured_speeds)) < _REST_SPEED
+        if not self._stop.update(standing=standing, rest_commanded=fresh and demand.rest):
+            return demand
+        self._notes.append((ERROR, f'emergency stop: {self._stop.remedy}'))
+        return Demand(None, 0.0)
+
     def _turn(self, target: Motion | None, dt: float) -> float:
         """Turn the motion towards a target; return -1 if the motion is to be driven backwards for it, else 1."""
         if target is None:
@@ -215,10 +238,13 @@ class IcrSteering:
         )
 
     def _follow(self, demand: Demand, sense: float, dt: float) -> Setpoints:
+        halting = self._stop.engaged and max(map(abs, self._measured_speeds)) > _CREEPING
         if self._motion is None or self._angles is None:
-            return self._rest(dt)
+            return self._halt(_ZERO) if halting else self._rest(dt)
         steering = steer(self._motion, self._angles, self._vehicle, self._steering)
         self._angles = steering.angles
+        if halting:
+            return self._halt(steering.speeds)
         if not all(steering.reachable):
             wheel, limit = WHEELS[steering.reachable.index(False)], self._steering.steer_limit
             self._notes.append((WARN, f'{wheel} would pass steer_limit, {limit:g} rad, on the way: speed goes to 0'))
@@ -231,9 +257,16 @@ class IcrSteering:
         magnitude = self._after_sliding(magnitude, demand.motion)
         return self._drive(sense * magnitude, steering.speeds, dt)
 
+    def _halt(self, unit_speeds: PerWheel) -> Setpoints:
+        """Brake in an emergency, with the angles held."""
+        self._speed_controller.reset()
+        self._magnitude = None
+        forces = self._emergency_brake.forces(self._twist, self._measured_speeds)
+        return self._set(self._measured_magnitude(unit_speeds), unit_speeds, forces)
+
     def _rest(self, dt: float) -> Setpoints:
         """Keep the angles; before any command give no torque, at zero twist stand."""
-        never = self._driver.state(self._now or 0) is Freshness.NEVER
+        never = self._driver.state(self._now or 0) is Freshness.NEVER and not self._stop.engaged
         forces = _ZERO if never else self._speed_controller.stand(self._measured_speeds, dt)
         return self._set(0.0, _ZERO, forces)
 

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.control.actuator import DriveActuator, SteerActuator
-from omni_vehicle_ros.control.freshness import CommandMonitor, Freshness
+from omni_vehicle_ros.control.freshness import NANOSECONDS, CommandMonitor, Freshness
 from omni_vehicle_ros.control.health import ERROR, WARN, Health, Note, health
 from omni_vehicle_ros.interface import ICR_STEERING, SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.parameters import WheelModuleParameters
@@ -26,6 +26,12 @@ class Trim(NamedTuple):
     steer_angle: float
     torque: float
 
+
+# Age up to which a command counts in an emergency stop [ns].
+_ALIVE = NANOSECONDS // 10
+
+# Speed of a wheel at rest, which may be held against a slope [rad/s].
+_AT_REST = 0.1
 
 NO_TRIM = Trim(0, 0.0, 0.0)
 
@@ -56,6 +62,9 @@ class WheelModule:
     A fresh command resumes at once. A trim that is too old is dropped, its angle and its torque; what a trim
     steers is bounded, whoever says it. What is not finite is not taken.
 
+    In an emergency stop it brakes with ``emergency_torque`` at least, whatever it is commanded, and trusts a
+    command no longer than 0.1 s, whatever ``module_timeout`` says.
+
     Parameters
     ----------
     parameters
@@ -82,6 +91,11 @@ class WheelModule:
         self._refused: dict[str, str] = {}
         self._notes: list[Note] = []
         self._state = Freshness.NEVER
+        self._stop = False
+
+    def emergency_stop(self, stop: bool) -> None:
+        """Take a message of emergency_stop; here the last one counts."""
+        self._stop = stop
 
     def start_at(self, angle: float) -> None:
         """Take over a wheel that points somewhere [rad]; once it acts, it knows by itself."""
@@ -114,7 +128,11 @@ class WheelModule:
             self._notes.append((ERROR, f'wheel speed {wheel_speed} is not finite: no brake torque without it'))
             wheel_speed = 0.0
         self._state = self._commands.state(now)
-        steer_angle, torque = self._follow(now) if self._state is Freshness.FRESH else self._hold(now, wheel_speed)
+        alive = self._state is Freshness.FRESH and not (self._stop and self._commands.age(now) > _ALIVE)
+        steer_angle, torque = self._follow(now) if alive else self._hold(now, wheel_speed)
+        if self._stop:
+            self._notes.append((ERROR, 'emergency stop: wheel braked'))
+            torque = self._brake(torque, wheel_speed)
         motion = self._steer.update(now, steer_angle, self._period)
         return ModuleState(motion.angle, motion.rate, self._drive.update(torque, self._period))
 
@@ -170,12 +188,19 @@ class WheelModule:
             )
         return self._trim if state is Freshness.FRESH else NO_TRIM
 
+    def _brake(self, torque: float, wheel_speed: float) -> float:
+        """Return a torque that brakes as much as the commanded one, and enough [N m]; at rest, what holds."""
+        if abs(wheel_speed) < _AT_REST:
+            return torque
+        own = min(self._parameters.emergency_torque, self._parameters.brake_gain * abs(wheel_speed))
+        return min(torque, -own) if wheel_speed > 0.0 else max(torque, own)
+
     def _hold(self, now: int, wheel_speed: float) -> tuple[float, float]:
         if self._held_angle is None:
             self._held_angle = self._steer.reach(now)
-        if self._state is Freshness.NEVER:
+        if self._state is Freshness.NEVER and not self._stop:
             return self._held_angle, 0.0
-        limit = self._parameters.module_timeout
+        limit = self._parameters.module_timeout or _ALIVE / NANOSECONDS
         self._notes.append(
             (ERROR, f'no command from {ICR_STEERING} for module_timeout, {limit:g} s: angle held, wheel braked')
         )

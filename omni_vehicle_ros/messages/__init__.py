@@ -12,6 +12,7 @@ from omni_vehicle_ros.messages.codecs import CODECS
 from omni_vehicle_ros.messages.values import (
     Clock,
     Diagnostics,
+    Flag,
     Forces,
     Imu,
     Joints,
@@ -31,6 +32,7 @@ __all__ = [
     'VALUE_TYPES',
     'Clock',
     'Diagnostics',
+    'Flag',
     'Forces',
     'Imu',
     'Joints',

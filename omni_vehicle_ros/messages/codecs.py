@@ -11,6 +11,7 @@ from omni_vehicle_ros.messages.codec import SECOND, CachedCodec, Codec, StampedC
 from omni_vehicle_ros.messages.values import (
     Clock,
     Diagnostics,
+    Flag,
     Forces,
     Imu,
     Joints,
@@ -189,6 +190,23 @@ class TextCodec(Codec):
         return Text(text)
 
 
+class FlagCodec(Codec):
+    """Codec of ``Bool``."""
+
+    def encode(self, value: Flag) -> bytes:
+        """Return the message."""
+        builder = LayoutBuilder()
+        builder.byte(int(value.data))
+        return _pack(builder)
+
+    def decode(self, data: bytes) -> Flag:
+        """Return the value, or raise MessageError."""
+        reader = Reader(data)
+        flag = reader.byte()
+        reader.finish()
+        return Flag(flag != 0)
+
+
 class DiagnosticsCodec(Codec):
     """Codec of ``DiagnosticArray``."""
 
@@ -244,6 +262,7 @@ CODECS: dict[str, Codec] = {
     'geometry_msgs/msg/WrenchStamped': StampedCodec(Wrench, '6d'),
     'rosgraph_msgs/msg/Clock': StampedCodec(Clock, '', strings=0),
     'std_msgs/msg/String': TextCodec(Text),
+    'std_msgs/msg/Bool': FlagCodec(Flag),
     'diagnostic_msgs/msg/DiagnosticArray': DiagnosticsCodec(Diagnostics),
 }
 """The codec of each type, by the type's name."""

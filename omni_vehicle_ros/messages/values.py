@@ -123,6 +123,17 @@ class Text(NamedTuple):
     data: str
 
 
+class Flag(NamedTuple):
+    """A ``Bool``."""
+
+    data: bool
+
+    @property
+    def stamp(self) -> int:
+        """0, which means now: a ``Bool`` has no stamp."""
+        return 0
+
+
 class Status(NamedTuple):
     """A ``DiagnosticStatus``: level 0 OK, 1 warning, 2 error, 3 stale."""
 
@@ -141,5 +152,5 @@ class Diagnostics(NamedTuple):
     frame: str = ''
 
 
-Value = Clock | Diagnostics | Forces | Imu | Joints | Odometry | Point | Step | Twist | Vector | Wrench
-"""What a stamped message says."""
+Value = Clock | Diagnostics | Flag | Forces | Imu | Joints | Odometry | Point | Step | Twist | Vector | Wrench
+"""What a message says that belongs to a time."""

@@ -44,6 +44,27 @@ def declare_plain(node: Node, name: str, default: Any, descriptor: ParameterDesc
     return node.declare_parameter(name, default, descriptor or ParameterDescriptor()).value
 
 
+def why_fixed(node: Node, name: str, changes: list[Parameter]) -> str:
+    """Return why some parameters of a node can not be set while it runs; nothing if none is read-only.
+
+    Parameters
+    ----------
+    node
+        Has the parameters.
+    name
+        Its full name.
+    changes
+        What is to be set.
+    """
+    for change in changes:
+        if node.has_parameter(change.name) and node.describe_parameter(change.name).read_only:
+            return (
+                f'{change.name} can not change while the vehicle drives: it is read at the start; '
+                f'restart {name} with -p {change.name}:={_plain(change.value)}'
+            )
+    return ''
+
+
 def _descriptor(entry: 'dataclasses.Field[Any]', changeable: bool) -> ParameterDescriptor:
     unit, choices = entry.metadata['unit'], entry.metadata['choices']
     text = (

@@ -123,9 +123,9 @@ class ManagedNode(LifecycleNode):
 
     def subscribe(
         self, row: interface.Topic, hear: Callable[[bytes], None], take: Callable[[Value], None] | None = None, *,
-        depth: int | None = None, latched: bool = False, reliable: bool = True,
+        depth: int | None = None, latched: bool = False, reliable: bool = True, always: bool = False,
     ) -> Subscription:
-        """Take the messages of a topic as long as the node is active; of a latched one also before.
+        """Take the messages of a topic as long as the node is active.
 
         Parameters
         ----------
@@ -137,10 +137,12 @@ class ManagedNode(LifecycleNode):
             Takes the value of one that a node of this process hands over; without it, ``hear`` gets these, too.
         depth, latched, reliable
             As in `subscribe_to`.
+        always
+            Whether bytes are taken also when the node is not active.
         """
 
         def heard(data: bytes) -> None:
-            if self.active or latched:
+            if always or self.active:
                 hear(data)
 
         def taken(value: Value) -> None:

@@ -55,7 +55,7 @@ class PlantNode(Shell):
         self._recorded, self._window = 0, RECORDER_WINDOW * self._plant.period
         self._recorder_lost = interface.RECORDER not in self.pacing.participants
         self.attach(self._plant)
-        self.subscribe(interface.topic('ready'), self._note_ready, latched=True)
+        self.subscribe(interface.topic('ready'), self._note_ready, latched=True, always=True)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Begin when the others are ready, or go on where time stood still."""

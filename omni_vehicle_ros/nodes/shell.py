@@ -6,9 +6,11 @@ from collections.abc import Callable
 from functools import partial
 from operator import itemgetter
 
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Component, Output
@@ -16,7 +18,8 @@ from omni_vehicle_ros.components.gate import Gate
 from omni_vehicle_ros.control.health import OK, WARN
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import Diagnostics, Status, Step, Text, Value, decode
-from omni_vehicle_ros.nodes.declare import declare
+from omni_vehicle_ros.nodes.declare import declare, why_fixed
+from omni_vehicle_ros.nodes.earlier import Earlier
 from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.handshake import Handshake
 from omni_vehicle_ros.nodes.managed import ManagedNode
@@ -73,12 +76,19 @@ class Shell(ManagedNode):
     def attach(self, component: Component) -> None:
         """Make the ports of a component and begin to serve it."""
         self.component, self._sources = component, component.sources
+        self._inbox: deque[tuple[int, str, Value]] = deque(maxlen=INBOX)
         self.connect()
         for row in self.topics():
             if self.subscribes(row.name) and row.name != 'ready':
                 # In real time a message that was lost is out of date before it could be sent again.
                 reliable = self.lockstep or not row.cyclic
-                self.subscribe(row, self._decoder(row), partial(self.take, row.name), reliable=reliable)
+                if row.name == interface.EMERGENCY_STOP:
+                    earlier = Earlier(self._decoder(row, self._heed), self._decoder(row, self._keep))
+                    self.subscribe(row, earlier.hear, always=True)
+                    self.subscribe(row, earlier.hear_earlier, depth=1, latched=True, always=True)
+                    continue
+                hear = self._decoder(row, self.take)
+                self.subscribe(row, hear, partial(self.take, row.name), reliable=reliable)
 
     def connect(self) -> None:
         """Make the publishers of this node."""
@@ -96,8 +106,8 @@ class Shell(ManagedNode):
         """Whether this node subscribes to ``topic``."""
         return self.role in interface.topic(topic).subscribers
 
-    def _decoder(self, row: interface.Topic) -> Callable[[bytes], None]:
-        """Return what takes the bytes of a topic."""
+    def _decoder(self, row: interface.Topic, use: Callable[[str, Value], None]) -> Callable[[bytes], None]:
+        """Return what takes the bytes of a topic and decodes them for ``use``."""
         name, type_name = row.name, row.type
 
         def hear(data: bytes) -> None:
@@ -106,7 +116,7 @@ class Shell(ManagedNode):
             except MessageError as error:
                 self.warn(f'{name}: {error}; the message is dropped')
                 return
-            self.take(name, value)
+            use(name, value)
 
         return hear
 
@@ -116,7 +126,6 @@ class Shell(ManagedNode):
         if self.lockstep and interface.DRIVER in self.pacing.participants and self.subscribes('driver/step'):
             sources = (*sources, 'driver/step')
         self.gate = Gate(sources)
-        self._inbox: deque[tuple[int, str, Value]] = deque(maxlen=INBOX)
         self._opened = self._activated = time.monotonic()
         rows = self.topics()
         publishers = [outlet.publisher for outlet in self.outlets.values()]
@@ -129,7 +138,7 @@ class Shell(ManagedNode):
 
     def take(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to, and act when that is complete."""
-        self._inbox.append((_ORDER[topic], topic, value))
+        self._keep(topic, value)
         if topic == self.component.beat:
             if self.lockstep and self.gate.waiting:
                 self.warn(f'cycle skipped at {value.stamp / 1e9:.3f} s: no answer from {self.gate.absent()}')
@@ -142,6 +151,13 @@ class Shell(ManagedNode):
             self.gate.hear(topic)
             self.gate.answer(topic, value.stamp if value.stamp < self.now + FUTURE else self.now)
         self.act()
+
+    def _heed(self, topic: str, value: Value) -> None:
+        """Take what must not be missed by a node that is not active yet."""
+        (self.take if self.active else self._keep)(topic, value)
+
+    def _keep(self, topic: str, value: Value) -> None:
+        self._inbox.append((_ORDER[topic], topic, value))
 
     def act(self) -> None:
         """Let the component act if its cycle is complete."""
@@ -164,6 +180,13 @@ class Shell(ManagedNode):
         self._inbox.clear()
         for _, topic, value in waiting:
             self.component.receive(topic, value, self.now)
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Refuse what was read at the start with the reason; rclpy would only say that it is read-only."""
+        refused = why_fixed(self, self.full_name, parameter_list)
+        if refused:
+            return SetParametersResult(successful=False, reason=refused)
+        return super().set_parameters_atomically(parameter_list)
 
     def publish(self, outputs: list[Output]) -> None:
         """Publish what a component has to say."""
@@ -191,7 +214,7 @@ class Shell(ManagedNode):
 
     def _say_strangers(self, strangers: str) -> None:
         """Name who publishes what belongs to another node, or say that nobody does any more."""
-        level, text = (WARN, strangers) if strangers else (OK, 'every topic is published by its owner alone')
+        level, text = (WARN, strangers) if strangers else (OK, 'every topic has one publisher')
         self.say('/diagnostics', Diagnostics(self.now, (Status(level, f'{self.full_name}: inputs', text),)))
 
     def wait(self) -> float:

@@ -71,8 +71,15 @@ class DriverScript:
         return said
 
     def _command(self, command: Command, stamp: int) -> list[Message]:
-        if command.cmd_vel is not None:
-            return [('cmd_vel', messages.Twist(stamp, *command.cmd_vel))]
+        stop = command.emergency_stop
+        said: list[Message] = [] if stop is None else [('emergency_stop', messages.Flag(stop))]
+        return said + self._motion(command, stamp)
+
+    def _motion(self, command: Command, stamp: int) -> list[Message]:
+        """Return what says where to go."""
+        if command.twist is not None:
+            topic = 'teleop/cmd_vel' if command.cmd_vel is None else 'cmd_vel'
+            return [(topic, messages.Twist(stamp, *command.twist))]
         if command.icr is None:
             return []
         x, y = (0.0, self._straight) if isinstance(command.icr, str) else command.icr

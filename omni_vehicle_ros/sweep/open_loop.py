@@ -90,6 +90,10 @@ def why_closed(scenario: Scenario) -> str | None:
         return 'it waits for its wheels; --set steering.alignment_slowdown=false'
     if 0.0 < steering.command_timeout < scenario.command_period:
         return 'its commands grow stale; --set steering.command_timeout=0'
+    if any(command.emergency_stop is not None for command in scenario.commands):
+        return 'its emergency stop waits for standstill; leave emergency_stop out'
+    if len({command.cmd_vel is None for command in scenario.commands if not command.silent}) > 1:
+        return 'autonomy and hand take turns; say teleop in place of cmd_vel'
     if moving and any(command.traction is None or command.traction < 0.0 for command in scenario.commands):
         return 'its speed is controlled, or it brakes; --set plant.constant_speed=true'
     if moving and scenario.side_slip_control and any(command.yaw_moment for command in scenario.commands):
@@ -127,6 +131,7 @@ def _acting(scenario: Scenario) -> list[Acting]:
     law = IcrSteering(scenario.vehicle, _ever_fresh(scenario.steering), scenario.plant.control_period)
     take: dict[str, Callable[[Any, int], None]] = {
         'driver/icr': law.icr, 'driver/speed': law.speed, 'driver/traction': law.traction, 'cmd_vel': law.cmd_vel,
+        'teleop/cmd_vel': law.teleop,
     }  # fmt: skip
     period = round(scenario.plant.control_period * 1e9)
     road = Environment(scenario.plant.bank, scenario.plant.wind, scenario.plant.friction)

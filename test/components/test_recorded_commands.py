@@ -19,7 +19,8 @@ plant: {initial_speed: 3.0, friction: [0.9, 0.8, 0.9, 0.8]}
 commands:
   - {at: 0.0, icr: straight, speed: 3.0}
   - {at: 0.3, icr: [0.5, 12.0], traction: 200.0}
-  - {at: 0.9, cmd_vel: [2.0, 1.0, 0.2]}
+  - {at: 0.9, teleop: [2.0, 1.0, 0.2]}
+  - {at: 1.1, cmd_vel: [2.0, 1.0, 0.2], emergency_stop: true}
 environment:
   - {at: 0.4, bank: 0.02, wind: 3.0, friction: 0.7}
   - {at: 0.6, wind: 5.0}

@@ -242,11 +242,14 @@ def test_speed_without_an_icr_is_straight_on():
     assert Bench().drive(3.0, 2.0).steer_angle == ZERO
 
 
-def test_the_latest_source_wins_and_the_icr_is_kept():
+def test_autonomy_takes_over_from_a_hand_that_fell_silent_and_the_icr_is_kept():
     bench = Bench(motion_rate_limit=0.0)
     bench.drive(2.0, 2.0, (0.0, 5.0))
     turning = bench.set.steer_angle
-    bench.twist(1.0, 1.0)
+    bench.twist(0.4, 1.0)
+    assert bench.set.steer_angle == pytest.approx(turning, abs=1e-9)
+    assert bench.law.status.message == 'cmd_vel is ignored: driver/speed holds, and teleop goes before autonomy'
+    bench.twist(0.6, 1.0)
     assert bench.set.steer_angle == pytest.approx(ZERO, abs=1e-9)
     assert bench.law.status.message == 'following cmd_vel'
     bench.drive(1.0, 2.0)

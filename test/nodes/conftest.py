@@ -25,7 +25,9 @@ plant: {initial_speed: 3.0}
 commands:
   - {at: 0.0, icr: straight, speed: 3.0}
   - {at: 0.5, icr: [0.5, 12.0], speed: 4.0}
-  - {at: 1.5, cmd_vel: [2.0, 1.0, 0.2]}
+  - {at: 1.2, teleop: [2.0, 1.0, 0.2]}
+  - {at: 1.3, cmd_vel: [2.0, 1.0, 0.2]}
+  - {at: 1.9, cmd_vel: [2.0, 1.0, 0.2], emergency_stop: true}
 environment:
   - {at: 1.0, bank: 0.02, wind: 3.0, friction: 0.7}
 """

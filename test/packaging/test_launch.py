@@ -32,8 +32,8 @@ class Configuration(Recorded):
 def launch_file(root, monkeypatch):
     parts = {
         'launch': ('LaunchContext', 'LaunchDescription'),
-        'launch.actions': ('DeclareLaunchArgument', 'OpaqueFunction'),
-        'launch.substitutions': ('LaunchConfiguration', 'PathJoinSubstitution'),
+        'launch.actions': ('DeclareLaunchArgument', 'OpaqueFunction', 'SetEnvironmentVariable'),
+        'launch.substitutions': ('EnvironmentVariable', 'LaunchConfiguration', 'PathJoinSubstitution'),
         'launch_ros': (),
         'launch_ros.actions': ('Node',),
         'launch_ros.substitutions': ('FindPackageShare',),
@@ -68,6 +68,20 @@ def test_arguments_and_their_defaults(launch_file):
     assert arguments['use_sim_time'].default_value == 'false'
     assert arguments['namespace'].default_value == arguments['record'].default_value == ''
     assert entities[-1].function is launch_file.nodes
+
+
+def test_discovery_is_limited_to_this_machine_unless_the_user_says_otherwise(launch_file):
+    first = launch_file.generate_launch_description().arguments[0][0]
+    name, value = first.arguments
+    assert type(first).__name__ == 'SetEnvironmentVariable'
+    assert name == value.arguments[0] == 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+    assert value.default_value == 'LOCALHOST'
+
+
+@pytest.mark.parametrize('namespace', ['', 'car', '/fleet/car/'])
+def test_each_node_has_the_enclave_of_its_name(launch_file, namespace):
+    for name, node in started(launch_file, namespace=namespace, record='some/bag').items():
+        assert node.ros_arguments == ['--enclave', '/' + name.lstrip('/')]
 
 
 @pytest.mark.parametrize('namespace', ['', 'car', '/car', '/fleet/car/'])

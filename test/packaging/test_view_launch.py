@@ -24,8 +24,10 @@ def view(root, monkeypatch):
     parts = {
         'ament_index_python.packages': {'get_package_share_directory': lambda name: root},
         'launch': dict.fromkeys(('LaunchContext', 'LaunchDescription'), Recorded),
-        'launch.actions': dict.fromkeys(('DeclareLaunchArgument', 'OpaqueFunction'), Recorded),
-        'launch.substitutions': {'LaunchConfiguration': Recorded},
+        'launch.actions': dict.fromkeys(
+            ('DeclareLaunchArgument', 'OpaqueFunction', 'SetEnvironmentVariable'), Recorded
+        ),
+        'launch.substitutions': dict.fromkeys(('EnvironmentVariable', 'LaunchConfiguration'), Recorded),
         'launch_ros': {},
         'launch_ros.actions': {'Node': Recorded},
     }
