@@ -17,7 +17,7 @@ COMMANDS = {row.name: row.type for row in TOPICS if {DRIVER, ANYONE} <= {*row.pu
 
 def command_of(topic: str) -> tuple[str, str] | None:
     """Return the namespace of a vehicle, and which command to it a topic, given by its full name, is, if any."""
-    for name in COMMANDS:
+    for name in sorted(COMMANDS, key=len, reverse=True):  # cmd_vel is the end of another one, too
         if topic.endswith(f'/{name}'):
             return topic.removesuffix(f'/{name}'), name
     return None

@@ -68,6 +68,9 @@ if name == 'mass':
     assert description.floating_point_range[0].from_value == 1.0
     refused = ask(client.set_parameters, [Parameter('mass', value=1400.0)]).results[0]
     assert not refused.successful
+    assert refused.reason == (
+        'mass can not change while the vehicle drives: it is read at the start; restart /plant with -p mass:=1400.0'
+    ), refused
 else:
     good = ask(client.set_parameters, [Parameter(name, value=[5.0, 1.0, 0.0, 0.0])]).results[0]
     assert good.successful, good
@@ -85,6 +88,7 @@ else:
     assert '0.6 is above 0.5 rad' in answer.reason
     fixed = ask(client.set_parameters, [Parameter('controller', value='allocation')]).results[0]
     assert not fixed.successful
+    assert fixed.reason.endswith('restart /side_slip_controller with -p controller:=allocation'), fixed
     assert ask(client.get_parameters, ['controller']).values[0].string_value == 'wheel_slip'
 node.destroy_node()
 rclpy.shutdown()

@@ -65,6 +65,6 @@ def test_arguments_reach_the_nodes(view, tmp_path):
     assert nodes['robot_state_publisher'].parameters == [
         {'use_sim_time': False, 'robot_description': '<robot name="own"/>'}
     ]
-    assert [entry.arguments[0] for entry in view.generate_launch_description().arguments[0][:-1]] == [
+    assert [entry.arguments[0] for entry in view.generate_launch_description().arguments[0][1:-1]] == [
         'namespace', 'urdf', 'use_sim_time', 'rviz'
     ]

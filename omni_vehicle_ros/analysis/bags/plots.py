@@ -46,10 +46,12 @@ class Chart(NamedTuple):
 CHARTS = (
     Chart('speed', 'Speed and yaw rate', 'Of the centre of gravity, against what is commanded.', (
         Row('speed [m/s]', 1.0, (
-            ('speed', 'vx'), ('speed', 'vy'), ('commanded_twist', 'vx'), ('driver_speed', 'vx'), ('cmd_vel', 'vx'),
+            ('speed', 'vx'), ('speed', 'vy'), ('commanded_twist', 'vx'), ('driver_speed', 'vx'), ('teleop', 'vx'),
+            ('cmd_vel', 'vx'),
         )),
         Row('yaw rate [°/s]', _DEGREES, (
-            ('yaw_rate', 'yaw_rate'), ('commanded_yaw_rate', 'yaw_rate'), ('cmd_vel_yaw_rate', 'yaw_rate'),
+            ('yaw_rate', 'yaw_rate'), ('commanded_yaw_rate', 'yaw_rate'), ('teleop_yaw_rate', 'yaw_rate'),
+            ('cmd_vel_yaw_rate', 'yaw_rate'),
         )),
     )),
     Chart('body', 'Acceleration and roll', 'What an accelerometer feels; positive roll leans to the right.', (
@@ -127,7 +129,7 @@ def _draw(
     if found is None or label not in found.trace.labels or not found.statistics.count[found.trace.labels.index(label)]:
         return False
     time, values = found.envelope.line(found.trace.labels.index(label), survey.span[0])
-    said = found.trace.name in ('driver_speed', 'cmd_vel', 'bank', 'wind', 'friction')
+    said = found.trace.name in ('driver_speed', 'teleop', 'cmd_vel', 'bank', 'wind', 'friction')
     if said:  # holds until the next word
         end = (survey.span[1] - survey.span[0]) * 1e-9
         time, values = np.append(time, max(end, time[-1])), np.append(values, values[-1])

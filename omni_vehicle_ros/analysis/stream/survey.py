@@ -28,7 +28,7 @@ from omni_vehicle_ros.analysis.stream.traces import (
 from omni_vehicle_ros.bags import Columns
 from omni_vehicle_ros.wheels import WHEELS
 
-HEARTBEATS = ('driver/speed', 'driver/traction', 'cmd_vel')
+HEARTBEATS = ('driver/speed', 'driver/traction', 'teleop/cmd_vel', 'cmd_vel')
 NONSENSE = 1e30
 """Numbers as large as this come of damage; their squares could still be summed up."""
 MOST_TOPICS = 500

@@ -77,6 +77,7 @@ TYPES = {
     'commanded_twist': 'geometry_msgs/msg/TwistStamped',
     'driver/speed': 'geometry_msgs/msg/TwistStamped',
     'driver/traction': 'geometry_msgs/msg/WrenchStamped',
+    'teleop/cmd_vel': 'geometry_msgs/msg/TwistStamped',  # before the one that it ends with
     'cmd_vel': 'geometry_msgs/msg/TwistStamped',
     'environment/bank': 'geometry_msgs/msg/Vector3Stamped',
     'environment/wind': 'geometry_msgs/msg/Vector3Stamped',
@@ -105,6 +106,7 @@ TRACES: dict[str, tuple[Trace, ...]] = {
         _plain('commanded_yaw_rate', 'rad/s', 'yaw_rate'),
     ),
     'driver/speed': (_plain('driver_speed', 'm/s', 'vx'),),
+    'teleop/cmd_vel': (_plain('teleop', 'm/s', 'vx', 'vy'), _plain('teleop_yaw_rate', 'rad/s', 'yaw_rate')),
     'cmd_vel': (_plain('cmd_vel', 'm/s', 'vx', 'vy'), _plain('cmd_vel_yaw_rate', 'rad/s', 'yaw_rate')),
     'environment/bank': (_plain('bank', 'rad', 'x'),),
     'environment/wind': (_plain('wind', 'm/s', 'y'),),
