@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 
 class Earlier:
-    """Takes what two subscriptions bring: what is said now, and the last word until then, which counts while nothing is.
+    """Takes from two subscriptions what is said now, and the last word until then, which counts while nothing is.
 
     Parameters
     ----------

@@ -28,7 +28,9 @@ stop = node.create_publisher(Bool, 'emergency_stop', 10)
 autonomy = node.create_publisher(TwistStamped, 'cmd_vel', 10)
 seen, said = [], []
 node.create_subscription(Odometry, 'odom', seen.append, 10)
-node.create_subscription(DiagnosticArray, '/diagnostics', lambda m: said.extend(s.message for s in m.status), 50)
+node.create_subscription(
+    DiagnosticArray, '/diagnostics', lambda m: said.extend(f'{s.name}: {s.message}' for s in m.status), 50
+)
 
 
 def drive(speed, condition, what, stopped=None):
@@ -55,12 +57,16 @@ def heard(word):
     return any(word in text for text in said)
 
 
+def released():
+    return any(text.startswith('/icr_steering:') and 'emergency stop' not in text for text in said)
+
+
 drive(2.0, lambda: speed() > 1.8, 'driving')
 drive(2.0, lambda: heard('cmd_vel is ignored: teleop/cmd_vel holds'), 'saying who is ignored')
 drive(2.0, lambda: abs(speed()) < 0.02 and heard('wheel braked'), 'stopping', stopped=True)
 drive(2.0, lambda: heard('emergency stop: command speed 0'), 'asking for speed 0', stopped=False)
 assert abs(speed()) < 0.02, speed()
-drive(0.0, lambda: heard('following teleop/cmd_vel'), 'being released')
+drive(0.0, released, 'being released')
 drive(2.0, lambda: speed() > 1.8, 'driving again')
 print('obeyed', flush=True)
 node.destroy_node()

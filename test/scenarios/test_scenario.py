@@ -118,6 +118,9 @@ BAD_FILES = [
         'commands[0]: icr: [0, 0.006] is nearer than 0.01 m to the centre of gravity',
     ),
     (COMMAND % 'at: 0, icr: straight, speed: .nan', 'speed: nan is outside'),
+    (COMMAND % 'at: 0, emergency_stop: true', 'commands[0]: nothing beside at; allowed: icr and speed;'),
+    (COMMAND % 'at: 0, silent: true, emergency_stop: 1', 'emergency_stop: 1 must be true or false'),
+    (COMMAND % 'at: 0, teleop: [0, 0]', 'teleop: [0, 0] must be a list of 3 numbers'),
     (COMMAND % 'at: 0, cmd_vel: [0, 0]', 'cmd_vel: [0, 0] must be a list of 3 numbers'),
     ('duration: 1\ncommands: [{at: 0, silent: true}, {at: 0, silent: true}]', 'commands[1]: at: 0 s must be later'),
     ('duration: 1\nenvironment: [{at: 0, winds: 1}]', "unknown key 'winds'; did you mean 'wind'?"),
@@ -189,14 +192,16 @@ ENTRIES = st.one_of(
     st.fixed_dictionaries({'icr': st.just('straight') | CENTRES, 'speed': NUMBERS}),
     st.fixed_dictionaries({'icr': st.just('straight'), 'traction': NUMBERS, 'yaw_moment': NUMBERS}),
     st.fixed_dictionaries({'cmd_vel': st.lists(NUMBERS, min_size=3, max_size=3)}),
+    st.fixed_dictionaries({'teleop': st.lists(NUMBERS, min_size=3, max_size=3)}),
     st.just({'silent': True}),
 )
+STOPS = st.sampled_from([{}, {'emergency_stop': True}, {'emergency_stop': False}])
 CHANGES = st.fixed_dictionaries(
     {'bank': st.floats(-0.5, 0.5)}, optional={'wind': st.floats(-9, 9), 'friction': st.floats(0.1, 1.0)})
 
 
 @settings(deadline=None, max_examples=100)
-@given(st.lists(ENTRIES, max_size=5), st.lists(CHANGES, max_size=3), st.floats(10.0, 100.0))
+@given(st.lists(st.tuples(ENTRIES, STOPS).map(lambda two: {**two[0], **two[1]}), max_size=5), st.lists(CHANGES, max_size=3), st.floats(10.0, 100.0))
 def test_any_scenario_reads_back_equal(commands: list[dict], environment: list[dict], duration: float) -> None:
     tree = {
         'duration': duration,

@@ -48,6 +48,17 @@ def test_cmd_vel() -> None:
     assert ('cmd_vel', messages.Twist(0, 1.0, 2.0, 3.0)) in DriverScript(build_scenario('twist', tree)).messages(0)
 
 
+def test_a_stop_is_said_beside_any_command_and_as_often() -> None:
+    commands = [{'at': 0, 'teleop': [1, 2, 3], 'emergency_stop': True}, {'at': 0.5, 'silent': True}]
+    commands += [{'at': 0.8, 'silent': True, 'emergency_stop': False}]
+    script = DriverScript(build_scenario('stop', {'duration': 1, 'command_period': 0.1, 'commands': commands}))
+    assert script.messages(20)[-2:] == [
+        ('emergency_stop', messages.Flag(True)), ('teleop/cmd_vel', messages.Twist(100_000_000, 1.0, 2.0, 3.0)),
+    ]
+    assert script.messages(100) == []
+    assert script.messages(180) == [('emergency_stop', messages.Flag(False))]
+
+
 @settings(deadline=None, max_examples=50)
 @given(st.integers(1, 100), st.integers(0, 10**7))
 def test_stamps_are_exact_for_ever(period_ms: int, cycle: int) -> None:

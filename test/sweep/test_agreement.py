@@ -22,7 +22,7 @@ wheel_module: {ideal_actuators: true}
 plant: {constant_speed: true, initial_speed: 3.0}
 commands:
   - {at: 0.3, icr: [0.0, -6.0], speed: 3.0}
-  - {at: 2.0, cmd_vel: [3.0, 0.4, 0.3]}
+  - {at: 2.0, teleop: [3.0, 0.4, 0.3]}
 environment:
   - {profile: wind, points: [[0.5, 0.0], [1.5, 8.0]]}
   - {profile: friction, points: [[1.0, 0.9], [1.4, [0.9, 0.5, 0.9, 0.5]]]}
