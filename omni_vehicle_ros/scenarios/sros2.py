@@ -23,6 +23,15 @@ SERVICES = tuple(
 )
 """What every node of rclpy offers."""
 
+LIFECYCLE = tuple(
+    f'~/{name}'
+    for name in (
+        'change_state', 'get_available_states', 'get_available_transitions', 'get_state', 'get_transition_graph',
+    )
+)
+"""What a managed node offers beside; it publishes `TRANSITIONS`."""
+TRANSITIONS = '~/transition_event'
+
 TELEOP = tuple(row.name for row in TOPICS if row.name.startswith(('driver/', 'teleop/')) and ANYONE in row.publishers)
 ENVIRONMENT = tuple(row.name for row in TOPICS if row.name.startswith('environment/'))
 
@@ -58,7 +67,7 @@ def rights() -> tuple[Rights, ...]:
         Rights('autonomy', ('cmd_vel',), seen),
         Rights('stop_button', (interface.EMERGENCY_STOP,), ('/diagnostics',)),
         Rights('scene', ENVIRONMENT, ('odom',)),
-        Rights('observer', (), (*seen, '/rosout'), requests=_all_parameters()),
+        Rights('observer', (), (*seen, '/rosout'), requests=_looks()),
     )
 
 
@@ -66,12 +75,13 @@ def _of_node(node: str) -> Rights:
     reads = [row.name for row in TOPICS if node in row.subscribers or (node == interface.RECORDER and row.recorded)]
     services = ('~/snapshot',) if node == interface.RECORDER else ()
     publishes = tuple(row.name for row in TOPICS if node in row.publishers)
-    return Rights(node, publishes, tuple(reads), (*SERVICES, *services))
+    return Rights(node, (*publishes, TRANSITIONS), tuple(reads), (*SERVICES, *LIFECYCLE, *services))
 
 
-def _all_parameters() -> tuple[str, ...]:
-    """Return the services by which an observer reads parameters of the nodes; it sets none."""
-    reading = [service.removeprefix('~') for service in SERVICES if 'set' not in service]
+def _looks() -> tuple[str, ...]:
+    """Return the services by which an observer reads parameters and states of the nodes; it sets none."""
+    services = (*SERVICES, *LIFECYCLE)
+    reading = [service.removeprefix('~') for service in services if 'set' not in service and 'change' not in service]
     return tuple(f'{node}{service}' for node in interface.NODES for service in reading)
 
 
@@ -98,8 +108,8 @@ def _profile(profile: ET.Element, each: Rights, namespace: str) -> None:
 
 
 def _full(names: tuple[str, ...], namespace: str) -> list[str]:
-    """Return full names, each once: a relative one would be taken in the namespace of a wheel."""
-    return sorted({resolve(name, namespace) for name in names})
+    """Return full names, each once: a relative one would be taken in the namespace of a wheel; ``~`` is the node."""
+    return sorted({name if name.startswith('~') else resolve(name, namespace) for name in names})
 
 
 def _rules(profile: ET.Element, kind: str, qualifiers: tuple[str, ...], names: list[str]) -> None:

@@ -54,7 +54,7 @@ def test_every_node_may_do_what_the_table_says_and_no_more(namespace):
             resolve(row.name, namespace)
             for row in TOPICS if node in row.subscribers or (node == RECORDER and row.recorded)
         }
-        assert names(profile, 'publish') == publishes | {'/rosout', '/parameter_events'}
+        assert names(profile, 'publish') == publishes | {'/rosout', '/parameter_events', '~/transition_event'}
         assert names(profile, 'subscribe') == reads | {'/clock', '/parameter_events'}
         assert not names(profile, 'request')
 
