@@ -13,6 +13,10 @@ class ScenarioError(OmniVehicleError):
     """A scenario is unknown, malformed or inconsistent."""
 
 
+class FaultError(OmniVehicleError):
+    """A fault is unknown, or its value outside its limits."""
+
+
 class CommandError(OmniVehicleError):
     """A driver command can't be followed: not finite, in a wrong frame, or outside the vehicle's reach."""
 

@@ -182,8 +182,9 @@ TOPICS: tuple[Topic, ...] = (
     ),
     Topic(
         'driver/step', 'sensor_msgs/msg/TimeReference', COMMAND, (DRIVER,),
-        (ICR_STEERING, *WHEEL_MODULES, PLANT, RECORDER),
-        'Lock step only: the driver has said all that it has to say in this cycle.',
+        (ICR_STEERING, *WHEEL_MODULES, PLANT, RECORDER, SIDE_SLIP_CONTROLLER),
+        'Lock step only: the driver has said all that it has to say in this cycle. The side-slip controller listens '
+        'with fault_injection only.',
         (
             ('header.stamp', 'the cycle'),
             ('time_ref', 'end of the scenario'),
@@ -285,6 +286,34 @@ TOPICS: tuple[Topic, ...] = (
         example='{name: [front_left, front_right, rear_left, rear_right], effort: [0.5, 0.5, 0.5, 0.5]}',
     ),
     Topic(
+        'faults', 'diagnostic_msgs/msg/DiagnosticArray', COMMAND,
+        (DRIVER, ANYONE, PLANT, *WHEEL_MODULES, ICR_STEERING, SIDE_SLIP_CONTROLLER),
+        (PLANT, *WHEEL_MODULES, ICR_STEERING, SIDE_SLIP_CONTROLLER),
+        'Injects faults, if the parameter fault_injection allows it; docs/faults.md lists them. Nodes say here what '
+        'their parameters fault.* are set to, so that all nodes and the bag know it.',
+        (
+            ('header.stamp', 'the cycle from which on it holds'),
+            ('status[].level', '0 for the failure ok, 2 for others'),
+            ('status[].name', 'the component, such as front_left/steering'),
+            ('status[].message', 'its failure, such as slow, or ok'),
+            ('status[].values', 'one with the key value, if the failure has a value other than its default'),
+        ),
+        example="{status: [{name: front_left/steering, message: slow, values: [{key: value, value: '0.3'}]}]}",
+    ),
+    *(
+        Topic(
+            f'{sensor}/truth', topic_type, STATE, (PLANT,), (),
+            f'What {sensor} should say, in each cycle in which a fault keeps it from saying so.',
+            (('all', f'as in {sensor}'),), frame,
+        )
+        for sensor, topic_type, frame in (
+            ('joint_states', 'sensor_msgs/msg/JointState', BASE_FRAME),
+            ('odom', 'nav_msgs/msg/Odometry', ODOM_FRAME),
+            ('imu', 'sensor_msgs/msg/Imu', BASE_FRAME),
+            ('tyres/side_slip', 'sensor_msgs/msg/JointState', BASE_FRAME),
+        )
+    ),
+    Topic(
         'recorder/step', 'sensor_msgs/msg/TimeReference', COMMAND, (RECORDER,), (PLANT,),
         'Lock step only: the recorder has what came before this cycle; the plant does not run far ahead of it.',
         (
@@ -315,6 +344,28 @@ TOPICS: tuple[Topic, ...] = (
         ),
     ),
 )
+
+
+def topics(*, publish_clock: bool, fault_injection: bool) -> list[Topic]:
+    """Return the rows that a vehicle uses, with those of its nodes that use them.
+
+    Parameters
+    ----------
+    publish_clock
+        Whether it owns /clock.
+    fault_injection
+        Whether its nodes take faults: without, nobody waits for the driver to say that there is none.
+    """
+    rows = [row for row in TOPICS if row.name != '/clock' or publish_clock]
+    return rows if fault_injection else [_without_faults(row) for row in rows if not row.name.endswith('/truth')]
+
+
+def _without_faults(row: Topic) -> Topic:
+    if row.name == 'faults':  # the plant says that it refuses them
+        return row._replace(publishers=(ANYONE,), subscribers=(PLANT,))
+    if row.name == 'driver/step':
+        return row._replace(subscribers=(ICR_STEERING, *WHEEL_MODULES, PLANT, RECORDER))
+    return row
 
 
 def topic(name: str) -> Topic:

@@ -10,6 +10,7 @@ from omni_vehicle_ros.bags.writer import BagWriter
 from omni_vehicle_ros.components.component import Component, Output, Reporter
 from omni_vehicle_ros.components.driver import Driver, Script
 from omni_vehicle_ros.components.exact_side_slip import ExactSideSlip
+from omni_vehicle_ros.components.faulty_component import FaultyComponent
 from omni_vehicle_ros.components.icr_steering import IcrSteering
 from omni_vehicle_ros.components.joints import ZEROS
 from omni_vehicle_ros.components.journal import Journal
@@ -61,6 +62,7 @@ class Simulation:
         period = scenario.plant.control_period
         self._take = take
         self.end = scenario.cycles * round(period * 1e9)
+        self._acknowledge = ACKNOWLEDGE * round(period * 1e9)
 
         def name(role: str) -> str:
             return interface.resolve(role, namespace)
@@ -69,7 +71,7 @@ class Simulation:
         controlled = scenario.side_slip_control and gains is None
         self.plant = Plant(
             scenario.vehicle, scenario.plant, name=name(interface.PLANT), slip_gain=gains or ZEROS,
-            publish_clock=publish_clock,
+            publish_clock=publish_clock, steering=scenario.wheel_module,
         )
         modules = [
             WheelModule(
@@ -92,7 +94,11 @@ class Simulation:
                 else ExactSideSlip(scenario.side_slip, self.plant, name=name(SIDE_SLIP_CONTROLLER))
             )
             self._chain.insert(2, (SIDE_SLIP_CONTROLLER, controller))
-        hearers = [*self._chain, (interface.PLANT, self.plant)]
+        self._moving: Component = self.plant
+        if scenario.faults or script is not None:
+            self._moving = FaultyComponent(interface.PLANT, self.plant)
+            self._chain = [(role, FaultyComponent(role, component)) for role, component in self._chain]
+        hearers = [*self._chain, (interface.PLANT, self._moving)]
         self._hearers = {
             row.name: [component for role, component in hearers if role in row.subscribers] for row in TOPICS
         }
@@ -103,17 +109,18 @@ class Simulation:
     def run(self, progress: Callable[[float], None] = lambda time: None) -> None:
         """Run to the end of the scenario; call ``progress`` with the simulated time [s] now and then."""
         self._say(0, self.plant.begin())
-        stamp = 0
+        stamp, recorded = 0, -self._acknowledge
         while True:
             for _, component in self._chain:
                 self._say(stamp, component.step(stamp))
-            if stamp % (ACKNOWLEDGE * self.plant.period) == 0:
+            if not 0 <= stamp - recorded < self._acknowledge:
+                recorded = stamp
                 self._say(stamp, self._recorder.report(stamp, health([], 'recording')))
                 progress(stamp / 1e9)
             if stamp >= self.end:
                 break
-            outputs = self.plant.step(stamp)
-            stamp += self.plant.period
+            outputs = self._moving.step(stamp)
+            stamp = outputs[0].value.stamp
             self._say(stamp, outputs)
         progress(stamp / 1e9)
 
@@ -126,14 +133,14 @@ class Simulation:
 
 
 def exact_gains(scenario: Scenario) -> PerWheel | None:
-    """Return the gains of wheel_slip control where it is solved exactly: with ideal actuators; else None.
+    """Return the gains of wheel_slip control where it is solved exactly: with ideal actuators and no faults; else None.
 
     Raises
     ------
     ScenarioError
         There are integral or derivative gains.
     """
-    if not (scenario.side_slip_control and scenario.wheel_module.ideal_actuators):
+    if not (scenario.side_slip_control and scenario.wheel_module.ideal_actuators) or scenario.faults:
         return None
     if scenario.side_slip.controller != 'wheel_slip':
         return None

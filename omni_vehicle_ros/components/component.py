@@ -1,8 +1,9 @@
 """What all components have in common."""
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from omni_vehicle_ros.control.health import Health, Hold
+from omni_vehicle_ros.faults import Fault
 from omni_vehicle_ros.messages import Diagnostics, Status, Value
 
 NANOSECONDS = 1_000_000_000
@@ -41,6 +42,14 @@ class Component(Protocol):
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Act on the cycle that began at ``stamp`` [ns], of whose sources some may be ``missing``."""
+
+
+@runtime_checkable
+class Fallible(Protocol):
+    """A component that stands for hardware, too, which can fail."""
+
+    def fail(self, fault: Fault, now: int) -> None:
+        """Let what the fault names fail from ``now`` [ns] on, or be ok again; what is not its own is no matter."""
 
 
 class Reporter:

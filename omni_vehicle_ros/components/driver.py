@@ -4,12 +4,17 @@ from typing import Protocol
 
 from omni_vehicle_ros.components.component import ERROR, Output, Reporter
 from omni_vehicle_ros.control.health import health
+from omni_vehicle_ros.faults import FAULTS
 from omni_vehicle_ros.interface import TOPICS
 from omni_vehicle_ros.messages import Step, Value
 from omni_vehicle_ros.scenarios.scenario import Scenario
 from omni_vehicle_ros.scenarios.script import DriverScript, Message
 
-_ORDER = {row.name: number for number, row in enumerate(TOPICS)}
+_ORDER = {row.name: number for number, row in enumerate(TOPICS)} | {FAULTS: -1}
+_REPEATED = ('driver/icr', 'driver/speed', 'driver/traction', 'cmd_vel')
+
+CATCH_UP = 40
+"""Cycles of which commands are still said after the clock has jumped: what is older, newer ones have replaced."""
 
 
 class Script(Protocol):
@@ -56,8 +61,10 @@ class Driver:
         outputs = self._reporter.report(stamp, health(troubles, 'playing'))
         for passed in range(self._next_cycle, cycle + 1):
             said = sorted(self._script.messages(passed), key=lambda message: _ORDER[message[0]])
+            if passed < cycle - CATCH_UP:
+                said = [message for message in said if message[0] not in _REPEATED]
             outputs += [Output(topic, value) for topic, value in said]
-        self._next_cycle = cycle + 1
+        self._next_cycle = max(self._next_cycle, cycle + 1)
         topics = tuple(output.topic for output in outputs if output.topic != '/diagnostics')
         outputs.append(Output('driver/step', Step(stamp, self.end, topics)))
         return outputs

@@ -6,11 +6,14 @@ from typing import NamedTuple
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import ERROR, WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import ZEROS, VehicleJoints
+from omni_vehicle_ros.components.sensor_faults import SensorFaults
 from omni_vehicle_ros.control.health import Health, health
+from omni_vehicle_ros.faults import CLOCK, OK, SENSORS, Fault
 from omni_vehicle_ros.messages import Clock, Forces, Imu, Joints, Odometry, Step, Value, Vector
 from omni_vehicle_ros.model.body_model import body_model
+from omni_vehicle_ros.model.castor import castored
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
-from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
+from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters, WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 
 START_UP = 2_000_000_000
@@ -50,6 +53,8 @@ class Plant:
     slip_gain
         Proportional gains by which the wheels steer to zero side slip without any lag, in the exact algebraic
         form; the angles of the modules are their set-points then.
+    steering
+        Gives range and fastest turn of a wheel whose motor is off.
     """
 
     beat = ''
@@ -63,6 +68,7 @@ class Plant:
         name: str = '/plant',
         publish_clock: bool = True,
         slip_gain: PerWheel = ZEROS,
+        steering: WheelModuleParameters | None = None,
     ) -> None:
         self.name = name
         self.period = round(plant.control_period * 1e9)
@@ -78,10 +84,29 @@ class Plant:
         self._heard: set[str] = set()
         self._rotation = self._rate = ZEROS
         self._force = ZEROS
+        self._steering = steering or WheelModuleParameters()
+        self._trails: dict[int, float] = {}
+        self._locked: set[int] = set()
+        self._sensors = SensorFaults()
+        self._jump = 0
         self._now = self._evaluate()
         self._wheel_speed = self._speeds()
         self._rejected = ''
         self._reporter = Reporter(name)
+
+    def fail(self, fault: Fault, now: int) -> None:
+        """Let a sensor, the clock, a brake or the motor of a steering fail, or be ok again."""
+        wheel, _, part = fault.component.rpartition('/')
+        if fault.component in SENSORS:
+            self._sensors.fail(fault, now)
+        elif fault.component == CLOCK:
+            self._jump = round(fault.value * 1e9 / self.period) * self.period
+        elif part == 'brake':
+            (self._locked.discard if fault.failure == OK else self._locked.add)(WHEELS.index(wheel))
+        elif part == 'steering':
+            self._trails.pop(WHEELS.index(wheel), None)
+            if fault.failure == 'off':
+                self._trails[WHEELS.index(wheel)] = fault.value
 
     def receive(self, topic: str, value: Value, now: int) -> None:
         """Take a state of a module, an environment, or the end of the scenario."""
@@ -102,6 +127,8 @@ class Plant:
         angle, rate, torque = map(abs, actuators)
         most = ACTUATOR_LIMITS
         if angle <= most.angle and rate <= most.rate and torque <= most.torque:
+            if wheel in self._trails:
+                actuators = self._actuators[wheel]._replace(torque=actuators.torque)
             self._actuators[wheel] = actuators
             self._heard.add(self.sources[wheel])
         else:
@@ -140,14 +167,19 @@ class Plant:
                 held = self._actuators[wheel]
                 self._actuators[wheel] = _Actuators(held.angle)
         self._move()
-        return self._sense(stamp + self.period)
+        jump, self._jump = max(self._jump, -stamp), 0
+        return self._sense(stamp + self.period + jump)
 
     def _move(self) -> None:
         """Let one control cycle pass."""
         period, radius = self._plant.control_period, self._vehicle.wheel_radius
+        for wheel, trail in self._trails.items():
+            self._swing(wheel, trail)
         actuators, gain = self._actuators, self._slip_gain
         rate = per_wheel(lambda i: actuators[i].rate)
         self._force = per_wheel(lambda i: actuators[i].torque / radius)
+        if self._locked:
+            self._lock()
         self._state = self._body.advance(
             self._state,
             self._inputs(),
@@ -158,11 +190,31 @@ class Plant:
             self._plant.constant_speed,
         )
         self._actuators = [_Actuators(a.angle + a.rate * period, a.rate, a.torque) for a in actuators]
+        if self._locked:
+            self._state = self._body.locked(self._state, self._locked)
         angle, rotation, before = self._now.steer_angle, self._rotation, self._wheel_speed
         now = self._now = self._evaluate()
         speed = self._wheel_speed = self._speeds()
         self._rate = per_wheel(lambda i: (now.steer_angle[i] - angle[i]) / period if gain[i] > 0.0 else rate[i])
         self._rotation = per_wheel(lambda i: rotation[i] + 0.5 * (before[i] + speed[i]) * period)
+
+    def _swing(self, wheel: int, trail: float) -> None:
+        """Turn a wheel whose motor is off towards its own motion, no faster and no farther than the others turn."""
+        angle, rate, torque = self._actuators[wheel]
+        vx, vy, r = self._state[:3].tolist()
+        velocity = vx - self._vehicle.wheel_y[wheel] * r, vy + self._vehicle.wheel_x[wheel] * r
+        period, most, limit = self._plant.control_period, self._steering.steer_rate_limit, self._steering.steer_limit
+        aim = min(max(castored(angle, velocity, trail, period), -limit), limit)
+        rate = min(max((aim - angle) / period, -most), most)
+        self._actuators[wheel] = _Actuators(angle, rate, torque)
+
+    def _lock(self) -> None:
+        """Brake locked wheels so that they do not turn."""
+        self._state = self._body.locked(self._state, self._locked)
+        now, friction, force = self._evaluate(), self._environment.friction, self._force
+        self._force = per_wheel(
+            lambda i: self._body.locking_force(i, self._state, now, friction[i]) if i in self._locked else force[i]
+        )
 
     def _inputs(self) -> Inputs:
         actuators = self._actuators
@@ -172,7 +224,8 @@ class Plant:
         return self._body.evaluate(self._state, self._inputs(), self._environment, self._plant.constant_speed)
 
     def _speeds(self) -> PerWheel:
-        return self._body.wheel_speeds(self._state, self._now.steer_angle)
+        speed = self._body.wheel_speeds(self._state, self._now.steer_angle)
+        return per_wheel(lambda i: 0.0 if i in self._locked else speed[i]) if self._locked else speed
 
     def _sense(self, stamp: int) -> list[Output]:
         actuators, speed, now = self._actuators, self._wheel_speed, self._now
@@ -194,7 +247,7 @@ class Plant:
         ]
         if self._publish_clock:
             outputs.append(Output('/clock', Clock(stamp)))
-        return outputs + self._reporter.report(stamp, self._health(stamp, now))
+        return self._sensors.apply(stamp, outputs) + self._reporter.report(stamp, self._health(stamp, now))
 
     def _health(self, stamp: int, now: Evaluation) -> Health:
         if self._passive and stamp < START_UP and not self._heard.issuperset(self._passive):

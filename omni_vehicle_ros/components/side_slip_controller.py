@@ -46,6 +46,8 @@ class SideSlipController:
     def receive(self, topic: str, value: Value, now: int) -> None:
         """Take what was measured or commanded; side slips that are missing count as no number."""
         fresh = self._fresh
+        if isinstance(value, Odometry | Imu) and not value.frame:
+            return  # a sensor that sees nothing
         if isinstance(value, Odometry):
             fresh['twist'] = kinematics.Twist(value.vx, value.vy, value.yaw_rate)
         elif isinstance(value, Imu):

@@ -2,9 +2,11 @@
 
 from omni_vehicle_ros.components.component import NANOSECONDS, WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
+from omni_vehicle_ros.control.failing_actuator import FailingDrive, FailingSteer
 from omni_vehicle_ros.control.health import Note
 from omni_vehicle_ros.control.wheel_module import Setpoint, Trim
 from omni_vehicle_ros.control.wheel_module import WheelModule as Law
+from omni_vehicle_ros.faults import Fault
 from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.messages import Flag, Joints, Value
 from omni_vehicle_ros.parameters import WheelModuleParameters
@@ -48,7 +50,8 @@ class WheelModule:
         self._command, trim = f'{wheel}/command', f'{wheel}/trim'
         self.sources: tuple[str, ...] = (self._command, trim) if trimmed else (self._command,)
         self._index = WHEELS.index(wheel)
-        self._law = Law(parameters, control_period, trim_limit)
+        self._steer, self._drive = FailingSteer(parameters), FailingDrive(parameters)
+        self._law = Law(parameters, control_period, trim_limit, self._steer, self._drive)
         self._begun: int | None = None
         self._awaits_trim = trimmed
         self._wheel_speed = self._steer_angle = 0.0
@@ -67,6 +70,7 @@ class WheelModule:
                 self._wheel_speed = joints.wheel_speed[self._index]
                 self._steer_angle = joints.steer_angle[self._index]
                 self._law.start_at(self._steer_angle)
+                self._steer.measured = self._steer_angle
         elif not len(value.position) == len(value.velocity) == len(value.effort) == 2:
             self._malformed = f'{topic} needs position, velocity and effort of steer and drive; the last one is kept'
         elif topic == self._command:
@@ -74,6 +78,13 @@ class WheelModule:
         else:
             self._awaits_trim = False
             self._law.trim(Trim(value.stamp, value.position[0], value.effort[1]))
+
+    def fail(self, fault: Fault, now: int) -> None:
+        """Let an actuator of this wheel fail, or be ok again."""
+        if fault.component == f'{self.wheel}/steering':
+            self._steer.fail(fault)
+        elif fault.component == f'{self.wheel}/drive':
+            self._drive.fail(fault)
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return what the actuators do from ``stamp`` [ns] to the next cycle."""

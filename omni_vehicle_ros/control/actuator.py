@@ -68,11 +68,24 @@ class SteerActuator:
         self._now: int | None = None
         self._foreseen: tuple[int, float] | None = None
         self._staircase: list[tuple[int, float]] = []
+        self._rate_limit = parameters.steer_rate_limit
+
+    def rest_at(self, angle: float) -> None:
+        """Begin anew at an angle [rad], as if no set-point had ever been given."""
+        self._angle, self._now, self._foreseen = angle, None, None
+
+    def slow_to(self, share: float) -> None:
+        """Move from now on at most at this share of the rate limit."""
+        self._rate_limit, self._foreseen = share * self._parameters.steer_rate_limit, None
 
     @property
     def angle(self) -> float:
         """Steer angle at the time of the last update [rad]."""
         return self._angle
+
+    def start_at(self, angle: float) -> None:
+        """Begin with a wheel that points somewhere [rad]."""
+        self._angle = angle
 
     def reach(self, now: int) -> float:
         """Go on to ``now`` [ns] with the set-points given so far, and return the steer angle there [rad]."""
@@ -119,7 +132,7 @@ class SteerActuator:
 
     def _follow(self, begin: int, end: int) -> float:
         angle = self._angle
-        tau, rate_limit = self._parameters.steer_time_constant, self._parameters.steer_rate_limit
+        tau, rate_limit = self._parameters.steer_time_constant, self._rate_limit
         for i, (stamp, set_point) in enumerate(self._staircase):
             start = max(begin, stamp + self._delay)
             last = i + 1 == len(self._staircase)
@@ -141,6 +154,15 @@ class DriveActuator:
     def __init__(self, parameters: WheelModuleParameters) -> None:
         self._parameters = parameters
         self._torque = 0.0
+        self._time_constant = parameters.drive_time_constant
+
+    def rest_at(self, torque: float) -> None:
+        """Begin anew at a torque [N m]."""
+        self._torque = torque
+
+    def slow_to(self, share: float) -> None:
+        """Follow from now on at this share of the speed: with a time constant that is so much longer."""
+        self._time_constant = self._parameters.drive_time_constant / share
 
     def update(self, set_point: float, period: float) -> float:
         """Take a set-point.
@@ -161,7 +183,7 @@ class DriveActuator:
         set_point = min(max(set_point, -limit), limit)
         if self._parameters.ideal_actuators:
             return set_point
-        ratio = period / self._parameters.drive_time_constant
+        ratio = period / self._time_constant
         excess, decay = self._torque - set_point, math.exp(-ratio)
         self._torque = set_point + excess * decay
         return set_point + excess * (1.0 - decay) / ratio

@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.control.actuator import DriveActuator, SteerActuator
+from omni_vehicle_ros.control.failing_actuator import FailingDrive, FailingSteer
 from omni_vehicle_ros.control.freshness import NANOSECONDS, CommandMonitor, Freshness
 from omni_vehicle_ros.control.health import ERROR, WARN, Health, Note, health
 from omni_vehicle_ros.interface import ICR_STEERING, SIDE_SLIP_CONTROLLER
@@ -73,13 +74,22 @@ class WheelModule:
         Time from one cycle to the next [s].
     trim_limit
         Largest steer angle that a trim adds, to either side [rad].
+    steer, drive
+        The actuators; healthy ones if none are given.
     """
 
-    def __init__(self, parameters: WheelModuleParameters, control_period: float, trim_limit: float) -> None:
+    def __init__(
+        self,
+        parameters: WheelModuleParameters,
+        control_period: float,
+        trim_limit: float,
+        steer: SteerActuator | FailingSteer | None = None,
+        drive: DriveActuator | FailingDrive | None = None,
+    ) -> None:
         self._parameters = parameters
         self._period, self._trim_limit = control_period, trim_limit
-        self._steer = SteerActuator(parameters)
-        self._drive = DriveActuator(parameters)
+        self._steer = steer or SteerActuator(parameters)
+        self._drive = drive or DriveActuator(parameters)
         self._commands = CommandMonitor(parameters.module_timeout)
         self._trims = CommandMonitor(parameters.module_timeout)
         self._new_command: Setpoint | None = None
@@ -100,7 +110,7 @@ class WheelModule:
     def start_at(self, angle: float) -> None:
         """Take over a wheel that points somewhere [rad]; once it acts, it knows by itself."""
         if self._now is None:
-            self._steer = SteerActuator(self._parameters, angle)
+            self._steer.start_at(angle)
 
     def command(self, command: Setpoint) -> None:
         """Take a set-point; one with NaN or inf is refused and the last good one kept."""

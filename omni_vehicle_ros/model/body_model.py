@@ -1,7 +1,7 @@
 """What a body is to those who drive it: one small interface, whatever moves behind it."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Protocol
 
 from omni_vehicle_ros.model import body, plant
@@ -13,6 +13,9 @@ from omni_vehicle_ros.model.eight_dof.constants import eight_dof_constants
 from omni_vehicle_ros.model.state import Vector, initial_state, state_view
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import PerWheel, per_wheel
+
+SLIDING_PACE = 0.1
+"""Speed below which the friction of a locked wheel fades [m/s]: slow enough for one control cycle to stop nothing."""
 
 
 class BodyModel(Protocol):
@@ -69,6 +72,30 @@ class BodyModel(Protocol):
             Real steer angles [rad].
         """
 
+    def locked(self, state: Vector, wheels: Collection[int]) -> Vector:
+        """Return the state with the spins of locked wheels stopped, where they are part of it.
+
+        Parameters
+        ----------
+        state
+            State vector; left as it is.
+        wheels
+            Numbers of the locked wheels.
+        """
+
+    def locking_force(self, wheel: int, state: Vector, now: Evaluation, friction: float) -> float:
+        """Return the force of a brake along a wheel that keeps it from turning [N].
+
+        Parameters
+        ----------
+        wheel
+            Its number.
+        state, now
+            Of the vehicle with the wheel stopped.
+        friction
+            Under the wheel.
+        """
+
 
 class YawPlane:
     """Motion in the plane, 3 degrees of freedom or 2; roll follows at once, wheels roll without slip."""
@@ -114,6 +141,22 @@ class YawPlane:
             )
         )
 
+    def locked(self, state: Vector, wheels: Collection[int]) -> Vector:
+        """Return the state as it is: the spins are no part of it; see `BodyModel`."""
+        return state
+
+    def locking_force(self, wheel: int, state: Vector, now: Evaluation, friction: float) -> float:
+        """Return the part along the wheel of the friction of a locked wheel, which is against its motion.
+
+        The friction circle leaves the rest to the side force. Below `SLIDING_PACE` friction fades, to nothing at
+        rest; see `BodyModel`.
+        """
+        view, angle = state_view(state), now.steer_angle[wheel]
+        along = view.vx - self._vehicle.wheel_y[wheel] * view.r
+        across = view.vy + self._vehicle.wheel_x[wheel] * view.r
+        rolling = along * math.cos(angle) + across * math.sin(angle)
+        return -friction * now.vertical_load[wheel] * rolling / max(math.hypot(along, across), SLIDING_PACE)
+
 
 class EightDof:
     """Motion in the plane, roll and the spin of four wheels: 8 degrees of freedom, or 7 at a held speed."""
@@ -149,6 +192,16 @@ class EightDof:
     def wheel_speeds(self, state: Vector, steer_angle: PerWheel) -> PerWheel:
         """Return the spins of the wheels; see `BodyModel`."""
         return eight_dof_state.state_view(state).spin
+
+    def locked(self, state: Vector, wheels: Collection[int]) -> Vector:
+        """Return the state with the spins of locked wheels stopped; see `BodyModel`."""
+        view = eight_dof_state.state_view(state)
+        spin = per_wheel(lambda i: 0.0 if i in wheels else view.spin[i])
+        return eight_dof_state.state_vector(view._replace(spin=spin))
+
+    def locking_force(self, wheel: int, state: Vector, now: Evaluation, friction: float) -> float:
+        """Return what the road does to the stopped wheel: a brake that holds as much lets it not turn."""
+        return now.longitudinal_force[wheel]
 
 
 BODY_MODELS: dict[str, Callable[[VehicleParameters], BodyModel]] = {'yaw_plane': YawPlane, 'eight_dof': EightDof}

@@ -2,6 +2,7 @@
 
 from omni_vehicle_ros.scenarios.commands import Command
 from omni_vehicle_ros.scenarios.environment import EnvironmentChange, EnvironmentProfile
+from omni_vehicle_ros.scenarios.faults import FaultEvent
 from omni_vehicle_ros.scenarios.library import scenario_directory, scenario_names
 from omni_vehicle_ros.scenarios.loading import load_scenario, variants
 from omni_vehicle_ros.scenarios.scenario import Scenario
@@ -12,6 +13,7 @@ __all__ = [
     'DriverScript',
     'EnvironmentChange',
     'EnvironmentProfile',
+    'FaultEvent',
     'Scenario',
     'load_scenario',
     'scenario_directory',

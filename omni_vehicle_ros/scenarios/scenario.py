@@ -14,6 +14,7 @@ from functools import lru_cache, partial
 from typing import Any, TypeVar, cast
 
 from omni_vehicle_ros.errors import ParameterError, ScenarioError
+from omni_vehicle_ros.interface import NODES, SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.parameters import (
     Parameters,
     PlantParameters,
@@ -31,10 +32,11 @@ from omni_vehicle_ros.scenarios.environment import (
     follow_environment,
     read_environment,
 )
+from omni_vehicle_ros.scenarios.faults import FaultEvent, check_carriers, follow_fault, read_fault
 from omni_vehicle_ros.scenarios.reading import read_mapping, read_number, read_timeline
 from omni_vehicle_ros.scenarios.settings import PLAIN, SECTIONS, Setting, apply_setting, fill_in
 
-_KEYS = ('name', 'description', 'values', 'vary', *PLAIN, *SECTIONS, 'commands', 'environment')
+_KEYS = ('name', 'description', 'values', 'vary', *PLAIN, *SECTIONS, 'commands', 'environment', 'faults')
 _LONGEST = 1e5
 
 P = TypeVar('P', bound=Parameters)
@@ -58,7 +60,7 @@ class Scenario:
         How often the driver repeats its command [s].
     vehicle, steering, wheel_module, side_slip, plant
         The parameters of the run.
-    commands, environment
+    commands, environment, faults
         What happens, in the order of time.
     values
         What ``--set`` can override by a plain name, as it was in this run.
@@ -78,6 +80,7 @@ class Scenario:
     plant: PlantParameters = field(default_factory=PlantParameters)
     commands: tuple[Command, ...] = ()
     environment: tuple[EnvironmentChange | EnvironmentProfile, ...] = ()
+    faults: tuple[FaultEvent, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
     vary: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
 
@@ -106,6 +109,7 @@ class Scenario:
             tree[section] = {name: list(value) if isinstance(value, tuple) else value for name, value in entries}
         tree['commands'] = [command.to_mapping() for command in self.commands]
         tree['environment'] = [change.to_mapping() for change in self.environment]
+        tree['faults'] = [event.to_mapping() for event in self.faults]
         return tree
 
     def as_yaml(self) -> str:
@@ -139,11 +143,14 @@ def make_scenario(name: str, tree: Any, settings: Sequence[Setting] = ()) -> Sce
     duration = whole_cycles(duration, period) * period
     steering = _make(SteeringParameters, 'steering', entries)
     command = partial(read_command, driven_wheels=sum(share > 0.0 for share in steering.drive_shares))
+    side_slip_control = _read_flag('side_slip_control', entries.get('side_slip_control', False))
+    faults = read_timeline('faults', entries.get('faults', []), read_fault, follow_fault)
+    check_carriers(faults, [node for node in NODES if node != SIDE_SLIP_CONTROLLER or side_slip_control])
     return Scenario(
         name=name,
         duration=duration,
         description=description,
-        side_slip_control=_read_flag('side_slip_control', entries.get('side_slip_control', False)),
+        side_slip_control=side_slip_control,
         command_period=read_number('command_period', entries.get('command_period', 0.02), low=period, high=_LONGEST),
         vehicle=_make(VehicleParameters, 'vehicle', entries),
         steering=steering,
@@ -152,6 +159,7 @@ def make_scenario(name: str, tree: Any, settings: Sequence[Setting] = ()) -> Sce
         plant=plant,
         commands=read_timeline('commands', entries.get('commands', []), command, follow_command),
         environment=read_timeline('environment', entries.get('environment', []), read_environment, follow_environment),
+        faults=faults,
         values=values,
     )
 

@@ -4,6 +4,7 @@ from bisect import bisect_right
 from typing import Any
 
 from omni_vehicle_ros import messages
+from omni_vehicle_ros.faults import FAULTS, Fault, faults_message
 from omni_vehicle_ros.scenarios.commands import Command
 from omni_vehicle_ros.scenarios.environment import EnvironmentChange, EnvironmentProfile
 from omni_vehicle_ros.scenarios.scenario import Scenario, whole_cycles
@@ -16,8 +17,8 @@ class DriverScript:
     """The messages of a scenario's driver.
 
     Commands go out when they begin and then every ``command_period``; the environment at the start and in every
-    cycle in which it changes, so that a recording holds what acted. Stamps are those of the cycles, exact in
-    nanoseconds.
+    cycle in which it changes, so that a recording holds what acted; faults when they begin and end. Stamps are
+    those of the cycles, exact in nanoseconds.
 
     Parameters
     ----------
@@ -35,6 +36,7 @@ class DriverScript:
         self._commands = scenario.commands
         self._starts = [whole_cycles(command.at, period) for command in scenario.commands]
         self._steps = _steps(scenario)
+        self._faults = _faults(scenario)
         profiles = (entry for entry in scenario.environment if isinstance(entry, EnvironmentProfile))
         self._profiles = [(whole_cycles(p.at, period), whole_cycles(p.end, period), p) for p in profiles]
 
@@ -54,6 +56,8 @@ class DriverScript:
         stamp = cycle * self._period_ns
         around = {**self._profile_messages(cycle), **self._steps.get(cycle, {})}
         said = [(topic, value._replace(stamp=stamp)) for topic, value in around.items()]
+        if cycle in self._faults:
+            said.append((FAULTS, faults_message(stamp, self._faults[cycle])))
         current = bisect_right(self._starts, cycle) - 1
         if current >= 0 and (cycle - self._starts[current]) % self._repeat == 0:
             said += self._command(self._commands[current], stamp)
@@ -98,6 +102,18 @@ def _steps(scenario: Scenario) -> dict[int, dict[str, Any]]:
         if isinstance(entry, EnvironmentProfile):
             entry = entry.change(entry.end if cycle == last else cycle * period)
         by_cycle.setdefault(cycle, {}).update(_environment_messages(entry))
+    return by_cycle
+
+
+def _faults(scenario: Scenario) -> dict[int, list[Fault]]:
+    """Return by cycle what fails in it, after what is ok again."""
+    period = scenario.plant.control_period
+    by_cycle: dict[int, list[Fault]] = {}
+    for event in scenario.faults:
+        if event.lasting is not None:
+            by_cycle.setdefault(whole_cycles(event.end, period), []).append(Fault(event.fault.component))
+    for event in scenario.faults:
+        by_cycle.setdefault(whole_cycles(event.at, period), []).append(event.fault)
     return by_cycle
 
 

@@ -24,6 +24,9 @@ commands:
 environment:
   - {at: 0.4, bank: 0.02, wind: 3.0, friction: 0.7}
   - {at: 0.6, wind: 5.0}
+faults:
+  - {at: 0.5, component: front_left/steering, failure: slow, value: 0.3, for: 0.2}
+  - {at: 0.6, component: messages/driver/speed, failure: intermittent}
 """
 
 
