@@ -128,7 +128,7 @@ KINDS: Mapping[str, Mapping[str, Failure]] = {
         'reordered': Failure('each second one overtakes the one before it'),
     },
     'clock': {
-        'wrong': Failure('the stamps jump once by value, in whole control cycles', 2.0, 's', -60.0, 60.0),
+        'wrong': Failure('the stamps jump once by value, in whole control cycles', 0.5, 's', -0.9, 0.9),
     },
 }
 """What each kind of component can do wrong, besides being ok."""

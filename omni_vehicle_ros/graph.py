@@ -11,6 +11,7 @@ import yaml
 
 from omni_vehicle_ros.ending import ENDING
 from omni_vehicle_ros.errors import RunError
+from omni_vehicle_ros.faults import PROCESSES
 from omni_vehicle_ros.interface import DRIVER, PLANT, RECORDER, resolve
 from omni_vehicle_ros.parameters import PacingParameters
 from omni_vehicle_ros.processes import Processes
@@ -36,6 +37,8 @@ class Graph:
         All nodes in one process, instead of one process each.
     pacing, namespace, publish_clock, commands
         As in :func:`omni_vehicle_ros.run.run_scenario`.
+    fault_injection
+        Whether the nodes take faults.
 
     Attributes
     ----------
@@ -59,6 +62,7 @@ class Graph:
         namespace: str = '',
         publish_clock: bool = True,
         commands: Path | None = None,
+        fault_injection: bool = False,
     ) -> None:
         self.interrupted = 0  # or the number of the signal
         self.messages, self.lost = 0, 0
@@ -73,7 +77,10 @@ class Graph:
         self._one_process, self._namespace = one_process, namespace.strip('/')
         self._parameters = directory / 'parameters.yaml'
         self.processes = Processes(directory / 'log')
-        settings = PacingParameters(pacing=pacing, participants=participants, publish_clock=publish_clock)
+        self._doomed = {PROCESSES.get(event.fault.component) for event in scenario.faults}
+        settings = PacingParameters(
+            pacing=pacing, participants=participants, publish_clock=publish_clock, fault_injection=fault_injection
+        )
         text = node_parameters(scenario, directory.resolve(), settings, commands)
         self._parameters.write_text(text, encoding='utf-8')
         (directory / 'log').mkdir()
@@ -126,7 +133,12 @@ class Graph:
                 self._note_death(role)
 
     def _note_death(self, role: str) -> None:
-        """Go on without a node that the others can do without; those who miss it name it on /diagnostics."""
+        """Go on without a node that the others can do without; those who miss it name it on /diagnostics.
+
+        One that a fault of the scenario kills has not ended before its time.
+        """
+        if role in self._doomed:
+            return
         if role in (PLANT, DRIVER, RECORDER, 'vehicle') or not self._moving:
             raise RunError(self.processes.last_words(role))
         self.dead.setdefault(role, self.processes.last_words(role))

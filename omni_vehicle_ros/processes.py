@@ -105,6 +105,7 @@ class Processes:
             for role in group:
                 if self._processes[role].poll() is None:
                     self._processes[role].send_signal(signal.SIGINT)
+                    self._processes[role].send_signal(signal.SIGCONT)  # one that is frozen could not end
             until = time.monotonic() + STOP_LIMIT
             for role in group:
                 _await(self._processes[role], until)

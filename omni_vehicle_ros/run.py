@@ -232,13 +232,13 @@ def run_scenario(
     check_commands(scenario)
     check_loop(scenario, mode)
     check_namespace(namespace)
-    script = None
+    script, takes_faults = None, scenario.faults or commands
     if commands is not None:
         from omni_vehicle_ros.components.recorded_commands import RecordedCommands
 
         script = RecordedCommands(commands, scenario)
         text = f'Driven by the commands of {commands}.'
-        scenario = replace(scenario, description=text, commands=(), environment=(), values={})
+        scenario = replace(scenario, description=text, commands=(), environment=(), faults=(), values={})
     with new_directory(directory), _saying_what_lies_there(directory):
         (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
         progress(0.0)
@@ -264,6 +264,7 @@ def run_scenario(
                 namespace=namespace,
                 publish_clock=publish_clock,
                 commands=commands,
+                fault_injection=bool(takes_faults),
             )
             _drive(graph, directory, scenario, watch.advance)
             messages, lost, dead = graph.messages, graph.lost, tuple(graph.dead.values())
@@ -329,7 +330,12 @@ def _salvage(directory: Path, scenario: Scenario) -> str:
 
 
 def start_vehicle(
-    scenario: Scenario, directory: Path, *, namespace: str = '', publish_clock: bool = True
+    scenario: Scenario,
+    directory: Path,
+    *,
+    namespace: str = '',
+    publish_clock: bool = True,
+    fault_injection: bool = False,
 ) -> tuple[str, ...] | None:
     """Start the vehicle of a scenario in real time without a driver; record until a signal comes, then analyse.
 
@@ -349,7 +355,7 @@ def start_vehicle(
     check_loop(scenario)
     check_namespace(namespace)
     driven = replace(
-        scenario, name='start', description='Driven from outside.', commands=(), environment=(), values={}
+        scenario, name='start', description='Driven from outside.', commands=(), environment=(), faults=(), values={}
     )
     with new_directory(directory):
         (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
@@ -361,6 +367,7 @@ def start_vehicle(
             pacing='realtime',
             namespace=namespace,
             publish_clock=publish_clock,
+            fault_injection=fault_injection,
         )
         graph.run(lambda time: None)
         ended = recorded_time(directory)

@@ -109,14 +109,15 @@ class Simulation:
     def run(self, progress: Callable[[float], None] = lambda time: None) -> None:
         """Run to the end of the scenario; call ``progress`` with the simulated time [s] now and then."""
         self._say(0, self.plant.begin())
-        stamp, recorded = 0, -self._acknowledge
+        stamp, latest, recorded = 0, 0, -self._acknowledge
         while True:
             for _, component in self._chain:
                 self._say(stamp, component.step(stamp))
-            if not 0 <= stamp - recorded < self._acknowledge:
-                recorded = stamp
-                self._say(stamp, self._recorder.report(stamp, health([], 'recording')))
-                progress(stamp / 1e9)
+            latest = max(latest, stamp)
+            if latest - recorded >= self._acknowledge:
+                recorded = latest
+                self._say(stamp, self._recorder.report(recorded, health([], 'recording')))
+                progress(recorded / 1e9)
             if stamp >= self.end:
                 break
             outputs = self._moving.step(stamp)

@@ -56,6 +56,9 @@ def start(
     out: Out = None,
     namespace: Namespace = '',
     clock: ClockOwner = True,
+    fault_injection: Annotated[
+        bool, typer.Option('--fault-injection', help='Take faults, on the topic faults and by the parameters fault.*.')
+    ] = False,
 ) -> None:
     """Start a vehicle in real time, for anyone to drive, and record it until Ctrl-C."""
     loaded = load_scenario(scenario, settings or [])
@@ -64,7 +67,9 @@ def start(
         f'starting; publish on driver/icr and driver/speed, or on cmd_vel, to drive; Ctrl-C ends. Results: {directory}',
         flush=True,
     )
-    dead = start_vehicle(loaded, directory, namespace=namespace, publish_clock=clock)
+    dead = start_vehicle(
+        loaded, directory, namespace=namespace, publish_clock=clock, fault_injection=fault_injection
+    )
     if dead is None:
         print('stopped before the vehicle was up: there is nothing to analyse', file=sys.stderr)
         return

@@ -20,21 +20,35 @@ class Gate:
     def __init__(self, sources: Iterable[str]) -> None:
         self.lost: set[str] = set()
         self._answered = dict.fromkeys(sources, -1)
+        self._earlier: dict[str, int] = {}
+        self._latest = -1
         self._open: int | None = None
         self._awaited: set[str] = set()
         self._heard: Counter[str] = Counter()
         self._announced: Counter[str] = Counter()
 
     def open(self, stamp: int) -> None:
-        """Begin the cycle of ``stamp`` [ns]; one that is still open is skipped and its late sources are lost."""
-        if self._open is not None and stamp > self._open:
+        """Begin the cycle of ``stamp`` [ns]; one that is still open is skipped and its late sources are lost.
+
+        A stamp before the last one is that of a clock that went back: no answer from before counts any more.
+        """
+        if self._open is not None and stamp != self._open:
             self.give_up()
-        self._open = stamp
+        if stamp < self._latest:
+            self._answered = {
+                source: stamp if self._earlier.get(source) == stamp else -1 for source in self._answered
+            }
+        self._earlier.clear()
+        self._open = self._latest = stamp
         self._awaited = {source for source, answered in self._answered.items() if answered < stamp} - self.lost
 
     def answer(self, source: str, stamp: int) -> None:
         """Note that a source has answered for ``stamp`` [ns]."""
-        if source in self._answered and stamp > self._answered[source]:
+        if source not in self._answered:
+            return
+        if stamp <= self._answered[source]:
+            self._earlier[source] = stamp
+        else:
             self._answered[source] = stamp
             self.lost.discard(source)
             if self._open is not None:

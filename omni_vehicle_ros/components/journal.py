@@ -5,6 +5,7 @@ from typing import Protocol
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.unstamped import TOPICS as UNSTAMPED
 from omni_vehicle_ros.components.unstamped import Unstamped
+from omni_vehicle_ros.faults import CLOCK, FAULTS, read_faults
 from omni_vehicle_ros.messages import decode
 from omni_vehicle_ros.messages.stamps import stamp_of
 
@@ -13,6 +14,8 @@ SETTLE = 40
 
 FOREIGN = 1_000_000_000
 """A stamp farther than this from simulated time is of another clock [ns]."""
+
+FAULT_TYPE = interface.topic(FAULTS).type
 
 
 class Writer(Protocol):
@@ -47,8 +50,11 @@ class Journal:
         rows = [row for row in interface.TOPICS if row.recorded]
         self._names = [interface.resolve(row.name, namespace) for row in rows]
         self._index = {row.name: i for i, row in enumerate(rows)}
+        self._beat, self._faults = self._index['joint_states'], self._index[FAULTS]
         self._cyclic = [row.cyclic for row in rows]
+        self._heard: dict[int, int] = {}
         self._last: dict[int, int] = {}
+        self._jumps = False
         self._pending: dict[int, list[tuple[int, bytes | int, bytes]]] = {}
         self._unstamped = Unstamped()
         for row, name in zip(rows, self._names, strict=True):
@@ -70,7 +76,7 @@ class Journal:
         elif abs(stamp - self.now) > FOREIGN or (stamp == 0 and self.now > SETTLE * self.period):
             stamp = self.now
         if self._cyclic[index]:
-            self._count(index, stamp)
+            self._heard[index] = max(stamp, self._heard.get(index, stamp))
         self._keep(topic, data, stamp)
         if topic == 'driver/step':
             self._keep_all(self._unstamped.name(decode(interface.topic(topic).type, data)))
@@ -85,24 +91,36 @@ class Journal:
         for topic, data, stamp in messages:
             self._keep(topic, data, stamp)
 
-    def _count(self, index: int, stamp: int) -> None:
-        last = self._last.get(index, stamp - self.period)
-        self.lost += max((stamp - last) // self.period - 1, 0)
-        self._last[index] = max(stamp, last)
-
     def complete(self, end: int) -> bool:
         """Whether every cyclic topic that was heard has come to ``end`` [ns]."""
-        return all(stamp >= end for stamp in self._last.values())
+        return all(stamp >= end for stamp in self._heard.values())
 
     def flush(self) -> None:
         """Write all that waits."""
         self._write(None)
 
     def _write(self, until: int | None) -> None:
-        """Write what is stamped up to ``until`` [ns], in order."""
+        """Write what is stamped up to ``until`` [ns], in order, and count what is missing."""
         self._keep_all(self._unstamped.give_up(until))
         for stamp in sorted(stamp for stamp in self._pending if until is None or stamp <= until):
             ready = sorted(self._pending.pop(stamp))
+            if self._jumps and any(index == self._beat for index, *_ in ready):
+                self._follow_clock(stamp)
             for index, _, data in ready:
                 self._writer.write(self._names[index], data, stamp)
+                if self._cyclic[index]:
+                    self._count(index, stamp)
+                elif index == self._faults:
+                    self._jumps |= any(fault.component == CLOCK for fault in read_faults(decode(FAULT_TYPE, data))[0])
             self.written += len(ready)
+
+    def _count(self, index: int, stamp: int) -> None:
+        last = self._last.get(index, stamp - self.period)
+        self.lost += max((stamp - last) // self.period - 1, 0)
+        self._last[index] = max(stamp, last)
+
+    def _follow_clock(self, stamp: int) -> None:
+        """Miss nothing in the time over which the clock has jumped to ``stamp`` [ns]."""
+        jump = stamp - self._last.get(self._beat, stamp) - self.period
+        self._last = {index: last + jump for index, last in self._last.items()}
+        self._jumps = False

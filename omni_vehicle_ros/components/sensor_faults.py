@@ -7,7 +7,7 @@ from omni_vehicle_ros.components.component import NANOSECONDS, Output
 from omni_vehicle_ros.components.message_fault import changed
 from omni_vehicle_ros.control.failing_actuator import broken_turn
 from omni_vehicle_ros.faults import OK, Fault
-from omni_vehicle_ros.messages import Imu, Joints, Odometry, Value
+from omni_vehicle_ros.messages import Flag, Imu, Joints, Odometry, Value
 
 
 class SensorFaults:
@@ -70,10 +70,14 @@ class SensorFault:
         seen = self._seen
         seen.append((stamp, value))
         if self._fault.failure == 'stuck':
-            return seen[0][1]._replace(stamp=stamp)
+            return _stamped(seen[0][1], stamp)
         while len(seen) > 1 and seen[1][0] <= stamp - round(self._fault.value * NANOSECONDS):
             seen.popleft()
-        return seen[0][1]._replace(stamp=stamp)
+        return _stamped(seen[0][1], stamp)
+
+
+def _stamped(value: Value, stamp: int) -> Value:
+    return value if isinstance(value, Flag) else value._replace(stamp=stamp)
 
 
 def empty(value: Value) -> Value:

@@ -10,6 +10,7 @@ from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.driver import Driver
 from omni_vehicle_ros.components.recorded_commands import RecordedCommands
+from omni_vehicle_ros.faults import FAULTS
 from omni_vehicle_ros.nodes.declare import declare_plain
 from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.process import run
@@ -37,6 +38,9 @@ class DriverNode(Shell):
     def publish(self, outputs: list[Output]) -> None:
         """Publish, and print how far the scenario is, for whoever shows a progress bar."""
         super().publish(outputs)
+        for topic, value in outputs:
+            if topic == FAULTS:
+                self._inbox.inject(value, self.now)
         wall = time.monotonic()
         if wall - self._printed > PROGRESS_PERIOD or self.now >= self._driver.end:
             self._printed = wall

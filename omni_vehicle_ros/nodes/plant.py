@@ -19,7 +19,7 @@ from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.managed import StartError
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
-from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
+from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters, WheelModuleParameters
 
 RECORDER_WINDOW = 16
 """Cycles that the plant may run ahead of the recorder in lock step.
@@ -42,13 +42,17 @@ class PlantNode(Shell):
     def build(self) -> None:
         """Read the parameters and make component and ports."""
         vehicle, plant = declare(self, VehicleParameters), declare(self, PlantParameters)
-        self._plant = Plant(vehicle, plant, name=self.full_name, publish_clock=self.pacing.publish_clock)
+        steering = declare(self, WheelModuleParameters, only=('steer_rate_limit', 'steer_limit'))
+        self._plant = Plant(
+            vehicle, plant, name=self.full_name, publish_clock=self.pacing.publish_clock, steering=steering
+        )
         # Where nothing is compiled yet, the others wait for it now, and not in their first cycle.
         warm(vehicle)
         self._tick = plant.control_period / self.pacing.realtime_factor
         self._state_timeout = round(plant.state_timeout * 1e9)
         self._punctuality = Punctuality(self._plant.sources, self._tick)
         self._states = dict.fromkeys(self._plant.sources, -self._state_timeout - 1)
+        self._came = dict(self._states)
         self._ready: set[str] = set()
         self._begun = False
         self._looked = 0.0
@@ -81,7 +85,7 @@ class PlantNode(Shell):
             self.act()
             return
         if not self.lockstep and topic in self._states:
-            self._states[topic] = max(self._states[topic], min(value.stamp, self.now))
+            self._came[topic] = max(self._came[topic], min(value.stamp, self.now))
             self._punctuality.answer(topic, value.stamp, time.monotonic())
         super().take(topic, value)
 
@@ -95,11 +99,18 @@ class PlantNode(Shell):
         super().publish(outputs)
         for topic, value in outputs:
             if topic == 'joint_states':
+                if value.stamp != self.now + self._plant.period:
+                    self._shift(value.stamp - self.now - self._plant.period)
                 self.now = value.stamp
                 self.gate.open(self.now)
                 self._opened = time.monotonic()
                 if not self.lockstep:
                     self._punctuality.tick(self.now, self._opened)
+
+    def _shift(self, jump: int) -> None:
+        """Follow the clock that has jumped, so that no state is older or newer by that [ns]."""
+        self._came = {topic: stamp + jump for topic, stamp in self._came.items()}
+        self._states = {topic: stamp + jump for topic, stamp in self._states.items()}
 
     def poll(self) -> None:
         """Begin, and in real time move when it is time."""
@@ -142,10 +153,11 @@ class PlantNode(Shell):
 
     def _move(self) -> None:
         """Take the latest from every module, unless it is too old; catch up with at most one late cycle."""
+        self.gate.close()
+        blocked = self.hand_over()
+        self._states.update((topic, stamp) for topic, stamp in self._came.items() if topic not in blocked)
         oldest = self.now - self._state_timeout
         missing = tuple(topic for topic, stamp in self._states.items() if stamp < oldest)
-        self.gate.close()
-        self.hand_over()
         self.publish(self._plant.step(self.now, missing))
         self._due = max(self._due + self._tick, time.monotonic() - self._tick)
 

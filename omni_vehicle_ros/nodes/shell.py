@@ -4,7 +4,6 @@ import time
 from collections import deque
 from collections.abc import Callable
 from functools import partial
-from operator import itemgetter
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.context import Context
@@ -15,12 +14,17 @@ from rclpy.parameter import Parameter
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Component, Output
 from omni_vehicle_ros.components.gate import Gate
+from omni_vehicle_ros.components.inbox import Inbox
 from omni_vehicle_ros.control.health import OK, WARN
 from omni_vehicle_ros.errors import MessageError
+from omni_vehicle_ros.faults import FAULTS, Fault, faults_message
+from omni_vehicle_ros.faults import OK as UNHARMED
 from omni_vehicle_ros.messages import Diagnostics, Status, Step, Text, Value, decode
 from omni_vehicle_ros.nodes.declare import declare, why_fixed
 from omni_vehicle_ros.nodes.earlier import Earlier
 from omni_vehicle_ros.nodes.exchange import Exchange
+from omni_vehicle_ros.nodes.failing_process import end_or_freeze
+from omni_vehicle_ros.nodes.fault_parameters import FaultParameters
 from omni_vehicle_ros.nodes.handshake import Handshake
 from omni_vehicle_ros.nodes.managed import ManagedNode
 from omni_vehicle_ros.nodes.owners import Owners
@@ -32,27 +36,37 @@ WARN_PERIOD = 5.0
 FUTURE = 1_000_000_000
 """A stamp farther ahead than this is of another clock, and answers for now only [ns]."""
 
-INBOX = 512
-"""Messages that may wait for their cycle; of a flood, the latest are kept."""
-
 CONNECT_LIMIT = 3.0
 """Wall time in which a node is connected to all the others, if they are there [s]."""
 
-_ORDER = {row.name: number for number, row in enumerate(interface.TOPICS)}
-_BY_TOPIC = itemgetter(0)
-
 
 class Shell(ManagedNode):
-    """A node around one component; parameters as of `ManagedNode`."""
+    """A node around one component; parameters as of `ManagedNode`.
+
+    Attributes
+    ----------
+    alone
+        Whether no other node lives in this process.
+    """
 
     def __init__(self, role: str, *, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(role, context=context, exchange=exchange, namespace=namespace)
         self.finished = False
+        self.alone = True
         self._sources: tuple[str, ...] = ()
         self._warned: dict[str, float] = {}
         self.pacing = declare(self, PacingParameters)
         self.lockstep = self.pacing.pacing == 'lockstep'
         self._schedule()
+        self._rows = {
+            row.name: row
+            for row in interface.topics(
+                publish_clock=self.pacing.publish_clock, fault_injection=self.pacing.fault_injection
+            )
+        }
+        self._late: deque[tuple[float, list[Output]]] = deque()
+        self._initial: list[Fault] = []
+        self._fault_parameters: FaultParameters | None = None
         if self.pacing.autostart:
             self.bring_up()
 
@@ -76,7 +90,10 @@ class Shell(ManagedNode):
     def attach(self, component: Component) -> None:
         """Make the ports of a component and begin to serve it."""
         self.component, self._sources = component, component.sources
-        self._inbox: deque[tuple[int, str, Value]] = deque(maxlen=INBOX)
+        self._inbox = Inbox(self.role, component, fault_injection=self.pacing.fault_injection)
+        if self._fault_parameters is None:
+            self._fault_parameters = FaultParameters(self, self.role, self.pacing.fault_injection, self.inject)
+            self._initial = self._fault_parameters.initial
         self.connect()
         for row in self.topics():
             if self.subscribes(row.name) and row.name != 'ready':
@@ -95,16 +112,16 @@ class Shell(ManagedNode):
         self.open_ports([row for row in self.topics() if self.publishes(row.name)])
 
     def topics(self) -> list[interface.Topic]:
-        """Return the rows of the wiring table that this vehicle uses: /clock only if it owns it."""
-        return [row for row in interface.TOPICS if row.name != '/clock' or self.pacing.publish_clock]
+        """Return the rows of the wiring table that this vehicle uses."""
+        return list(self._rows.values())
 
     def publishes(self, topic: str) -> bool:
         """Whether this node publishes on ``topic``."""
-        return self.role in interface.topic(topic).publishers
+        return topic in self._rows and self.role in self._rows[topic].publishers
 
     def subscribes(self, topic: str) -> bool:
         """Whether this node subscribes to ``topic``."""
-        return self.role in interface.topic(topic).subscribers
+        return topic in self._rows and self.role in self._rows[topic].subscribers
 
     def _decoder(self, row: interface.Topic, use: Callable[[str, Value], None]) -> Callable[[bytes], None]:
         """Return what takes the bytes of a topic and decodes them for ``use``."""
@@ -157,7 +174,7 @@ class Shell(ManagedNode):
         (self.take if self.active else self._keep)(topic, value)
 
     def _keep(self, topic: str, value: Value) -> None:
-        self._inbox.append((_ORDER[topic], topic, value))
+        self._inbox.put(topic, value)
 
     def act(self) -> None:
         """Let the component act if its cycle is complete."""
@@ -167,19 +184,43 @@ class Shell(ManagedNode):
         missing = self.gate.missing()
         self.gate.close()
         self.now = stamp
-        self.hand_over()
-        self.publish(self.component.step(stamp, missing))
+        missing += tuple(source for source in self.hand_over() if source in self.component.sources)
+        if self._inbox.process.failure == UNHARMED and not self._late:
+            self.publish(self.component.step(stamp, missing))
+        else:
+            self._act_harmed(stamp, missing)
 
     def _connected(self) -> bool:
         """Whether an answer comes through: of a node that joins a lock step later, the first could be lost."""
         return self._handshake.done or not self.lockstep or time.monotonic() - self._activated > CONNECT_LIMIT
 
-    def hand_over(self) -> None:
-        """Hand the messages that wait to the component: always in the same order, whatever order they came in."""
-        waiting = sorted(self._inbox, key=_BY_TOPIC)
-        self._inbox.clear()
-        for _, topic, value in waiting:
-            self.component.receive(topic, value, self.now)
+    def _act_harmed(self, stamp: int, missing: tuple[str, ...]) -> None:
+        """Act late, or not at all."""
+        fault = self._inbox.process
+        if not self._inbox.silent:
+            self._late.append((time.monotonic() + fault.value, self.component.step(stamp, missing)))
+        elif self.alone:
+            self._inbox.process = Fault(fault.component)  # who is thawed goes on
+            end_or_freeze(fault.failure, [outlet.publisher for outlet in self.outlets.values()])
+
+    def hand_over(self) -> tuple[str, ...]:
+        """Hand the messages that wait to the component; return the topics of which faults let nothing through."""
+        blocked = self._inbox.hand_over(self.now)
+        if self._inbox.refused:
+            if self.role == interface.PLANT:
+                self._say_note('faults', '; '.join(dict.fromkeys(self._inbox.refused)))
+            self._inbox.refused = []
+        return blocked
+
+    def inject(self, faults: list[Fault]) -> None:
+        """Let all nodes, and whoever records, know what happens from now on; before the node is active, then."""
+        if not self.active:
+            self._initial += faults
+            return
+        message = faults_message(self.now, faults)
+        self.say(FAULTS, message)
+        if not self.subscribes(FAULTS):
+            self._inbox.inject(message, self.now)
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """Refuse what was read at the start with the reason; rclpy would only say that it is read-only."""
@@ -203,7 +244,12 @@ class Shell(ManagedNode):
             return
         if not self._handshake.done and self._handshake.complete():
             self.exchange.look()
+            if self._initial:
+                self.inject(self._initial)
+                self._initial = []
             self.say('ready', Text(self.role))
+        while self._late and time.monotonic() >= self._late[0][0]:
+            self.publish(self._late.popleft()[1])
         if self._owners.look():
             self._say_strangers(self._owners.strangers)
         if self.lockstep and self.gate.waiting and time.monotonic() - self._opened > self.pacing.wait_limit:
@@ -214,12 +260,16 @@ class Shell(ManagedNode):
 
     def _say_strangers(self, strangers: str) -> None:
         """Name who publishes what belongs to another node, or say that nobody does any more."""
-        level, text = (WARN, strangers) if strangers else (OK, 'every topic has one publisher')
-        self.say('/diagnostics', Diagnostics(self.now, (Status(level, f'{self.full_name}: inputs', text),)))
+        level = WARN if strangers else OK
+        self._say_note('inputs', strangers or 'every topic has one publisher', level)
+
+    def _say_note(self, about: str, text: str, level: int = WARN) -> None:
+        """Say on /diagnostics what is no state of the component."""
+        self.say('/diagnostics', Diagnostics(self.now, (Status(level, f'{self.full_name}: {about}', text),)))
 
     def wait(self) -> float:
         """Return for how long there is nothing to do but to take messages [s]."""
-        return 0.05
+        return 0.001 if self._late else 0.05
 
     def warn(self, message: str) -> None:
         """Log a warning, the same one at most every few seconds."""

@@ -37,6 +37,7 @@ def make(context: Context, exchange: Exchange, roles: list[str], namespace: str)
     for role in roles:
         wheel = role.split('/')[0] if '/' in role else ''
         nodes.append(MAKERS[role](context, exchange, interface.resolve(wheel, namespace)))
+        nodes[-1].alone = len(roles) == 1
     return nodes
 
 

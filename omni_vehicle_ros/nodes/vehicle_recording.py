@@ -52,6 +52,7 @@ class VehicleRecording:
         self._node, self._fail = node, fail
         self._journal = Journal(writer, node.vehicle_namespace, round(period * 1e9))
         self._acknowledge = ACKNOWLEDGE * self._journal.period
+        self._acknowledged = -self._acknowledge
         self._end: int | None = None
         self._ended = 0.0
         self._reporter = Reporter(node.full_name)
@@ -94,7 +95,8 @@ class VehicleRecording:
 
     def _beat(self) -> None:
         now = self._journal.now
-        if now % self._acknowledge == 0:
+        if now - self._acknowledged >= self._acknowledge:
+            self._acknowledged = now
             self.take()
             step = Step(now, 0, (interface.RECORDER,))
             self._node.say('recorder/step', step)
