@@ -76,7 +76,7 @@ class SteerActuator:
 
     def slow_to(self, share: float) -> None:
         """Move from now on at most at this share of the rate limit."""
-        self._rate_limit, self._foreseen = share * self._parameters.steer_rate_limit, None
+        self._rate_limit = share * self._parameters.steer_rate_limit
 
     @property
     def angle(self) -> float:

@@ -184,7 +184,10 @@ class Shell(ManagedNode):
         missing = self.gate.missing()
         self.gate.close()
         self.now = stamp
-        missing += tuple(source for source in self.hand_over() if source in self.component.sources)
+        blocked = self.hand_over()
+        if missing or blocked:
+            absent = {*missing, *blocked}
+            missing = tuple(source for source in self.component.sources if source in absent)
         if self._inbox.process.failure == UNHARMED and not self._late:
             self.publish(self.component.step(stamp, missing))
         else:

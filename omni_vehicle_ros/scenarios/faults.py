@@ -9,6 +9,9 @@ from omni_vehicle_ros.faults import CARRIERS, PROCESSES, Fault, make_fault, take
 from omni_vehicle_ros.parameters import did_you_mean
 from omni_vehicle_ros.scenarios.reading import read_mapping, read_number
 
+_ROUNDING = 1e-9
+"""Of sums of times [s]."""
+
 _KEYS = ('at', 'component', 'failure', 'value', 'for')
 
 
@@ -75,7 +78,7 @@ def follow_fault(event: FaultEvent, before: Sequence[FaultEvent]) -> None:
     if before and event.at < before[-1].at:
         raise ScenarioError(f'at: {event.at:g} s must not be earlier than the entry before, {before[-1].at:g} s')
     for other in before:
-        if other.fault.component == event.fault.component and event.at < other.end < float('inf'):
+        if other.fault.component == event.fault.component and event.at + _ROUNDING < other.end < float('inf'):
             raise ScenarioError(
                 f'at: {event.at:g} s; {event.fault.component} is {other.fault.failure} until {other.end:g} s'
             )
