@@ -64,6 +64,7 @@ def test_missing_cycles_are_counted() -> None:
     for number in (0, 1, 2, 5, 6):
         for name, data in cycle(number):
             journal.add(name, data)
+    journal.flush()
     assert journal.lost == 3 * 2
     assert not journal.complete(7 * PERIOD)
     assert journal.complete(6 * PERIOD)

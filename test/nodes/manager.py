@@ -95,7 +95,7 @@ def main() -> None:
     assert not manager.change(Transition.TRANSITION_CONFIGURE)
     assert manager.change(Transition.TRANSITION_CLEANUP)
     assert manager.state() == 'unconfigured'
-    assert manager.node.count_publishers('/front_left/state') == 0
+    manager.until(lambda: manager.node.count_publishers('/front_left/state') == 0, 'the end of its ports')
     assert manager.change(Transition.TRANSITION_CONFIGURE)
     assert manager.change(Transition.TRANSITION_ACTIVATE)
     manager.until(lambda: manager.steers(0, -1.0), 'the wheel to follow again')
