@@ -87,7 +87,7 @@ def _wheel_topics(number: int) -> tuple[Topic, ...]:
             ), cyclic=True,
         ),
         Topic(
-            f'{wheel}/trim', 'sensor_msgs/msg/JointState', COMMAND, (SIDE_SLIP_CONTROLLER,), (module,),
+            f'{wheel}/trim', 'sensor_msgs/msg/JointState', COMMAND, (SIDE_SLIP_CONTROLLER,), (module, ICR_STEERING),
             'Steer angle and drive torque that the side-slip controller adds to the command; the module holds the '
             'angle to trim_limit. With the controller wheel_slip in reverse, gains on the front wheels turn these, '
             'which trail then, inward until they make no side force: the vehicle turns tighter than commanded, and '
@@ -101,7 +101,7 @@ def _wheel_topics(number: int) -> tuple[Topic, ...]:
             ), cyclic=True,
         ),
         Topic(
-            f'{wheel}/state', 'sensor_msgs/msg/JointState', STATE, (module,), (PLANT,),
+            f'{wheel}/state', 'sensor_msgs/msg/JointState', STATE, (module,), (PLANT, ICR_STEERING),
             'What the actuators of the module do from this cycle to the next.',
             (
                 ('header.stamp', 'the cycle that it begins with'),

@@ -80,7 +80,10 @@ class Simulation:
             )
             for role in WHEEL_MODULES
         ]
-        steering = IcrSteering(scenario.vehicle, scenario.steering, period, name=name(interface.ICR_STEERING))
+        steering = IcrSteering(
+            scenario.vehicle, scenario.steering, scenario.wheel_module, period, scenario.side_slip.trim_limit,
+            name=name(interface.ICR_STEERING),
+        )
         # The order is that of the block diagram: who speaks first is heard by those after it in the same cycle.
         self._chain: list[tuple[str, Component]] = [
             (interface.DRIVER, Driver(scenario, script, name=name(interface.DRIVER))),
@@ -103,7 +106,7 @@ class Simulation:
             row.name: [component for role, component in hearers if role in row.subscribers] for row in TOPICS
         }
         if gains is not None:  # the trims are in the plant already
-            self._hearers.update((f'{wheel}/trim', []) for wheel in WHEELS)
+            self._hearers.update((f'{wheel}/trim', [steering]) for wheel in WHEELS)
         self._recorder = Reporter(name(interface.RECORDER))
 
     def run(self, progress: Callable[[float], None] = lambda time: None) -> None:

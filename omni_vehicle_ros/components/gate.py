@@ -15,14 +15,19 @@ class Gate:
     ----------
     sources
         Topics that answer in every cycle.
+    previous
+        Topics whose answers to a cycle belong to the next one. None is awaited in the first cycle.
     """
 
-    def __init__(self, sources: Iterable[str]) -> None:
+    def __init__(self, sources: Iterable[str], previous: Iterable[str] = ()) -> None:
         self.lost: set[str] = set()
-        self._answered = dict.fromkeys(sources, -1)
+        previous = tuple(previous)
+        self._previous = set(previous)
+        self._answered = dict.fromkeys((*sources, *previous), -1)
         self._earlier: dict[str, int] = {}
         self._latest = -1
         self._open: int | None = None
+        self._before = -1
         self._awaited: set[str] = set()
         self._heard: Counter[str] = Counter()
         self._announced: Counter[str] = Counter()
@@ -34,13 +39,15 @@ class Gate:
         """
         if self._open is not None and stamp != self._open:
             self.give_up()
+            self.close()
         if stamp < self._latest:
             self._answered = {
                 source: stamp if self._earlier.get(source) == stamp else -1 for source in self._answered
             }
+            self._before = -1
         self._earlier.clear()
         self._open = self._latest = stamp
-        self._awaited = {source for source, answered in self._answered.items() if answered < stamp} - self.lost
+        self._awaited = {source for source in self._answered if self._lacks(source)} - self.lost
 
     def answer(self, source: str, stamp: int) -> None:
         """Note that a source has answered for ``stamp`` [ns]."""
@@ -52,7 +59,7 @@ class Gate:
             self._answered[source] = stamp
             self.lost.discard(source)
             if self._open is not None:
-                (self._awaited.discard if stamp >= self._open else self._awaited.add)(source)
+                (self._awaited.add if self._lacks(source) else self._awaited.discard)(source)
 
     def hear(self, topic: str) -> None:
         """Note a message that may be announced."""
@@ -66,7 +73,7 @@ class Gate:
         """Return the sources that have not answered for the open cycle, lost ones included."""
         if self._open is None or not (self._awaited or self.lost):
             return ()
-        return tuple(source for source, stamp in self._answered.items() if stamp < self._open)
+        return tuple(source for source in self._answered if self._lacks(source))
 
     def absent(self) -> str:
         """Say what the open cycle lacks."""
@@ -90,6 +97,8 @@ class Gate:
 
     def close(self) -> None:
         """End the open cycle: the component has acted."""
+        if self._open is not None:
+            self._before = self._open
         self._open = None
 
     def give_up(self) -> None:
@@ -97,3 +106,12 @@ class Gate:
         self.lost.update(self.missing())
         self._awaited.clear()
         self._heard, self._announced = Counter(), Counter()
+
+    def give_up_previous(self) -> None:
+        """Stop waiting for answers to the cycle before: when that is over, they have been said or never will be."""
+        self.lost |= self._awaited & self._previous
+        self._awaited -= self._previous
+
+    def _lacks(self, source: str) -> bool:
+        due = self._before if source in self._previous else self._open
+        return due is not None and self._answered[source] < due

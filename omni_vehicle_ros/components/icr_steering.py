@@ -1,15 +1,50 @@
 """ICR steering: driver commands in, set-points of the four wheel modules out."""
 
-from omni_vehicle_ros.components.component import ERROR, Output, Reporter
-from omni_vehicle_ros.components.joints import VehicleJoints, module_joints, vehicle_joints
+import math
+from dataclasses import replace
+
+from omni_vehicle_ros.components.component import ERROR, NANOSECONDS, Output, Reporter
+from omni_vehicle_ros.components.joints import ZEROS, VehicleJoints, module_joints, vehicle_joints
+from omni_vehicle_ros.control.fault_tolerance.condition import BLIND, SOUND, Condition
+from omni_vehicle_ros.control.fault_tolerance.joint_check import JointCheck
+from omni_vehicle_ros.control.fault_tolerance.joint_check import Joints as Measurement
+from omni_vehicle_ros.control.fault_tolerance.monitor import Heard, Measured, ModuleMonitor
+from omni_vehicle_ros.control.icr_steering import STILL, Setpoints
 from omni_vehicle_ros.control.icr_steering import IcrSteering as Law
+from omni_vehicle_ros.control.wheel_module import Trim
 from omni_vehicle_ros.messages import Flag, Joints, Point, Twist, Value, Wrench
-from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
-from omni_vehicle_ros.wheels import WHEELS
+from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters, WheelModuleParameters
+from omni_vehicle_ros.wheels import WHEELS, per_wheel
+
+STATES = tuple(f'{wheel}/state' for wheel in WHEELS)
+TRIMS = tuple(f'{wheel}/trim' for wheel in WHEELS)
+
+QUIET = 10
+"""Cycles in a row without a state after which a module counts as silent."""
+
+START_UP = 2 * NANOSECONDS
+"""Simulated time that the first state of a module may take [ns]."""
 
 
 class IcrSteering:
-    """Turns what the driver asks for into one rigid motion, and that into four set-points."""
+    """Turns what the driver asks for into one rigid motion, and that into four set-points.
+
+    It watches the wheel modules, too: by what they said and did in the cycle before, against what sound ones would
+    have.
+
+    Parameters
+    ----------
+    vehicle, steering
+        Geometry; limits.
+    module
+        The actuators of a sound wheel module; their range is taken to be that of ``steering``.
+    control_period
+        Time from one cycle to the next [s].
+    trim_limit
+        Largest steer angle that a trim adds [rad].
+    name
+        Full name of the node, for diagnostics.
+    """
 
     beat = 'joint_states'
     sources: tuple[str, ...] = ()
@@ -18,7 +53,9 @@ class IcrSteering:
         self,
         vehicle: VehicleParameters,
         steering: SteeringParameters,
+        module: WheelModuleParameters,
         control_period: float,
+        trim_limit: float,
         *,
         name: str = '/icr_steering',
     ) -> None:
@@ -26,16 +63,22 @@ class IcrSteering:
         self._law = Law(vehicle, steering, control_period)
         law = self._law
         self._twists = {'driver/speed': law.speed, 'teleop/cmd_vel': law.teleop, 'cmd_vel': law.cmd_vel}
-        self._joints = VehicleJoints()
-        self._blind = False
+        module = replace(module, steer_limit=steering.steer_limit)
+        self._joint_check = JointCheck(math.inf if module.ideal_actuators else module.steer_rate_limit)
+        self._monitor = ModuleMonitor(vehicle, module, control_period, trim_limit)
+        self._reacts = steering.fault_reaction
+        self._joints = self._latest = VehicleJoints()
+        self._lacking = False
+        self._setpoints = Setpoints(ZEROS, ZEROS, ZEROS, STILL)
+        self._quiet: dict[str, int] = {}
+        self._trims: dict[str, Trim] = {}
+        self._begun: int | None = None
         self._reporter = Reporter(name)
 
     def receive(self, topic: str, value: Value, now: int) -> None:
-        """Take the measured joints or a driver command."""
+        """Take the measured joints, what the modules were and are about to do, or a driver command."""
         if isinstance(value, Joints):
-            joints = vehicle_joints(value)
-            self._blind = joints is None
-            self._joints = joints or self._joints
+            self._take_joints(topic, value)
         elif isinstance(value, Point):
             self._law.icr(value, now)
         elif isinstance(value, Wrench):
@@ -45,11 +88,22 @@ class IcrSteering:
         elif isinstance(value, Flag):
             self._law.emergency_stop(value.data)
 
+    def _take_joints(self, topic: str, value: Joints) -> None:
+        if topic in STATES:
+            self._quiet[topic] = 0
+        elif topic in TRIMS:
+            if len(value.position) == len(value.effort) == 2 and math.isfinite(value.position[0] + value.effort[1]):
+                self._trims[topic] = Trim(value.stamp, value.position[0], value.effort[1])
+        else:
+            joints = vehicle_joints(value)
+            self._lacking = joints is None
+            self._latest = joints or self._latest
+
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the set-points that belong to ``stamp`` [ns]."""
-        setpoints = self._law.update(stamp, self._joints.steer_angle, self._joints.wheel_speed)
-        state = self._law.status
-        if self._blind:
+        setpoints = self._setpoints = self._steer(stamp)
+        state = self._law.status.with_notes(*self._monitor.notes)
+        if self._lacking:
             state = state.with_notes((ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
         outputs = self._reporter.report(stamp, state)
         outputs.append(Output('commanded_twist', Twist(stamp, *setpoints.twist)))
@@ -57,3 +111,37 @@ class IcrSteering:
             steer, drive = (setpoints.steer_angle[i], 0.0), (setpoints.wheel_speed[i], setpoints.torque[i])
             outputs.append(Output(f'{wheel}/command', module_joints(wheel, stamp, steer, drive)))
         return outputs
+
+    def _steer(self, stamp: int) -> Setpoints:
+        latest, before = self._latest, self._setpoints
+        measured = Measurement(latest.steer_angle, latest.rotation, latest.wheel_speed)
+        blind = self._joint_check.update(stamp, None if self._lacking else measured)
+        if blind and self._reacts:
+            # It goes by what it has told the wheels, as if they had done it.
+            return self._law.update(stamp, before.steer_angle, before.wheel_speed, BLIND)
+        if self._joint_check.fits or not self._reacts:
+            self._joints = latest
+        joints = self._joints
+        condition = self._watch(stamp)
+        setpoints = self._law.update(
+            stamp, joints.steer_angle, joints.wheel_speed, condition if self._reacts else SOUND
+        )
+        self._monitor.told(stamp, setpoints.twist, setpoints.steer_angle, setpoints.torque)
+        return setpoints
+
+    def _watch(self, stamp: int) -> Condition:
+        """Return what is wrong with the modules."""
+        if self._begun is None or stamp < self._begun:
+            self._begun = stamp
+            self._quiet.clear()
+        late, joints = stamp - self._begun >= START_UP, self._joints
+
+        def heard(i: int) -> Heard:
+            quiet, trim = self._quiet.get(STATES[i]), self._trims.pop(TRIMS[i], None)
+            if quiet is None:
+                return Heard(begun=False, silent=late)
+            self._quiet[STATES[i]] = quiet + 1
+            return Heard(begun=True, silent=quiet >= QUIET, trim=trim)
+
+        measured = Measured(joints.steer_angle, joints.wheel_speed, joints.torque)
+        return self._monitor.update(stamp, measured, per_wheel(heard))

@@ -1,11 +1,15 @@
 """The side-slip controller: what the vehicle does and should do in, trims of steering and drive out."""
 
+import math
 from typing import Any
 
 from omni_vehicle_ros.components.component import ERROR, Output, Reporter
 from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
 from omni_vehicle_ros.control.controllers import make_controller
-from omni_vehicle_ros.control.trim import Sensed
+from omni_vehicle_ros.control.fault_tolerance.joint_check import JointCheck
+from omni_vehicle_ros.control.fault_tolerance.joint_check import Joints as Measurement
+from omni_vehicle_ros.control.fault_tolerance.sensors import SENSORS, Seen, SensorMonitor
+from omni_vehicle_ros.control.trim import NO_WHEEL, Cycles, Sensed, Trims
 from omni_vehicle_ros.messages import Imu, Joints, Odometry, Twist, Value
 from omni_vehicle_ros.model import kinematics
 from omni_vehicle_ros.parameters import SideSlipParameters, VehicleParameters
@@ -13,9 +17,14 @@ from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 
 _NO_NUMBER = float('nan')
 
+QUIET = 5
+"""Cycles in a row without a message after which a sensor says nothing."""
+
 
 class SideSlipController:
     """The controller that the parameter ``controller`` selects; all of them are wired alike.
+
+    Sensors that can't be believed are named, and their values left out.
 
     Parameters
     ----------
@@ -34,23 +43,34 @@ class SideSlipController:
         self.name = name
         self._vehicle = vehicle
         self._law = make_controller(parameters, vehicle)
-        self._sensed = Sensed()
+        self._reacts = parameters.fault_reaction
+        self._monitor = SensorMonitor(vehicle)
+        self._joint_check = JointCheck(math.inf)
+        self._seen = Seen(Sensed(), 0.0, (0.0, 0.0), NO_WHEEL)
         self._fresh: dict[str, Any] = {}
+        self._beside: dict[str, Any] = {}
+        self._quiet = dict.fromkeys(SENSORS, 0)
+        self._measured = Measurement(NO_WHEEL, NO_WHEEL, NO_WHEEL)
+        self._cycles = Cycles()
+        self._trims = Trims()
         self._blind = False
         self._reporter = Reporter(name)
 
     def configure(self, parameters: SideSlipParameters) -> None:
         """Go on with other gains and limits; integrals start anew."""
         self._law = make_controller(parameters, self._vehicle)
+        self._reacts = parameters.fault_reaction
 
     def receive(self, topic: str, value: Value, now: int) -> None:
         """Take what was measured or commanded; side slips that are missing count as no number."""
-        fresh = self._fresh
+        fresh, beside = self._fresh, self._beside
         if isinstance(value, Odometry | Imu) and not value.frame:
             return  # a sensor that sees nothing
         if isinstance(value, Odometry):
             fresh['twist'] = kinematics.Twist(value.vx, value.vy, value.yaw_rate)
+            beside['place'] = value.x, value.y
         elif isinstance(value, Imu):
+            beside['yaw_rate'] = value.yaw_rate
             fresh['lateral_acceleration'] = value.ay
         elif isinstance(value, Twist):
             fresh['commanded'] = kinematics.Twist(value.vx, value.vy, value.yaw_rate)
@@ -58,16 +78,20 @@ class SideSlipController:
             joints = vehicle_joints(value)
             self._blind = joints is None
             if joints is not None:
+                radius = self._vehicle.wheel_radius
                 fresh['steer_angle'], fresh['drive_torque'] = joints.steer_angle, joints.torque
+                beside['rolling'] = per_wheel(lambda i: radius * joints.wheel_speed[i])
+                self._measured = Measurement(joints.steer_angle, joints.rotation, joints.wheel_speed)
         elif isinstance(value, Joints):
             fresh['side_slip'] = _by_wheel(value.names, value.position)
             fresh['wheel_speed'] = _by_wheel(value.names, value.velocity)
+        self._quiet[topic] = 0
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the trims that belong to ``stamp`` [ns]."""
-        self._sensed = self._sensed._replace(**self._fresh)
-        trims = self._law.update(stamp, self._sensed)
-        state = self._law.status
+        self._seen = self._seen._replace(sensed=self._seen.sensed._replace(**self._fresh), **self._beside)
+        trims = self._control(stamp)
+        state = self._law.status.with_notes(*self._monitor.notes)
         if self._blind:
             state = state.with_notes((ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
         outputs = self._reporter.report(stamp, state)
@@ -75,6 +99,20 @@ class SideSlipController:
             joints = module_joints(wheel, stamp, (trims.steer_angle[i], 0.0), (0.0, trims.torque[i]))
             outputs.append(Output(f'{wheel}/trim', joints))
         return outputs
+
+    def _control(self, stamp: int) -> Trims:
+        dt = self._cycles.next(stamp)
+        if dt is None:
+            return self._trims
+        self._quiet = {topic: cycles + 1 for topic, cycles in self._quiet.items()}
+        silent = [topic for topic, cycles in self._quiet.items() if cycles > QUIET]
+        blind = self._joint_check.update(stamp, None if self._blind else self._measured)
+        sensed = self._monitor.update(self._seen, silent, blind=blind)
+        if self._reacts:
+            self._trims = self._monitor.fade(self._law.update(stamp, sensed), dt)
+        else:
+            self._trims = self._law.update(stamp, self._seen.sensed)
+        return self._trims
 
 
 def _by_wheel(names: tuple[str, ...], numbers: tuple[float, ...]) -> PerWheel:

@@ -5,6 +5,7 @@ cmd_vel; `omni_vehicle_ros.control.arbitration` chooses. The speed, the traction
 heartbeat. The ICR is latched: it need be said once only, and is straight on before.
 """
 
+import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.control.arbitration import Arbitration, Source
@@ -40,11 +41,14 @@ class Demand(NamedTuple):
         Signed magnitude of the motion [m/s].
     traction
         Open-loop traction in place of the magnitude, if any.
+    limit
+        Largest magnitude that faults of the vehicle allow [m/s].
     """
 
     motion: Motion | None
     magnitude: float
     traction: TractionDemand | None = None
+    limit: float = math.inf
 
     @property
     def rest(self) -> bool:

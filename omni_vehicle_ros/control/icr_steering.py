@@ -6,6 +6,8 @@ from typing import NamedTuple
 from omni_vehicle_ros.control.commands import PointCommand, TractionDemand, TwistCommand, WrenchCommand, steer
 from omni_vehicle_ros.control.driver import Demand, Driver
 from omni_vehicle_ros.control.emergency_stop import EmergencyBrake, EmergencyStop
+from omni_vehicle_ros.control.fault_tolerance.condition import SOUND, Condition, DriveFault
+from omni_vehicle_ros.control.fault_tolerance.reaction import DECELERATION, Reaction
 from omni_vehicle_ros.control.freshness import NANOSECONDS, Freshness
 from omni_vehicle_ros.control.health import ERROR, WARN, Health, health
 from omni_vehicle_ros.control.motion import (
@@ -67,7 +69,7 @@ _FASTEST = 1e3
 # A longer gap between two cycles counts as so many periods, and the speed starts anew from what is measured.
 _LONGEST_STEP = 20
 _ZERO: PerWheel = (0.0, 0.0, 0.0, 0.0)
-_STILL = Twist(0.0, 0.0, 0.0)
+STILL = Twist(0.0, 0.0, 0.0)
 
 
 class Setpoints(NamedTuple):
@@ -115,20 +117,23 @@ class IcrSteering:
         self._speed_controller = SpeedController(vehicle, steering)
         self._stop = EmergencyStop()
         self._emergency_brake = EmergencyBrake(vehicle, steering)
+        self._reaction = Reaction(vehicle, steering)
         self._measured_angles = self._measured_speeds = _ZERO
         self._start()
 
     def _start(self) -> None:
         self._driver.forget()
         self._speed_controller.reset()
+        self._reaction.forget()
+        self._condition = SOUND
         self._now: int | None = None
         self._motion: Motion | None = None
         self._magnitude: float | None = None
-        self._twist = _STILL
+        self._twist = STILL
         self._sliding = False
         self._too_fast: tuple[float, Motion] | None = None
         self._angles: PerWheel | None = None
-        self._setpoints = Setpoints(_ZERO, _ZERO, _ZERO, _STILL)
+        self._setpoints = Setpoints(_ZERO, _ZERO, _ZERO, STILL)
         self._notes: list[tuple[int, str]] = []
 
     def icr(self, command: PointCommand, now: int) -> None:
@@ -155,7 +160,9 @@ class IcrSteering:
         """Take a message of emergency_stop."""
         self._stop.say(stop)
 
-    def update(self, now: int, steer_angles: PerWheel, wheel_speeds: PerWheel) -> Setpoints:
+    def update(
+        self, now: int, steer_angles: PerWheel, wheel_speeds: PerWheel, condition: Condition = SOUND
+    ) -> Setpoints:
         """Return the set-points of a cycle.
 
         Parameters
@@ -167,6 +174,8 @@ class IcrSteering:
             Measured steer angles [rad].
         wheel_speeds
             Measured wheel speeds [rad/s].
+        condition
+            What is wrong with the wheel modules.
         """
         if now == self._now:
             return self._setpoints
@@ -178,10 +187,13 @@ class IcrSteering:
             self._magnitude, dt = None, _LONGEST_STEP * self._period
         self._now = now
         self._measure(steer_angles, wheel_speeds)
-        demand = self._allowed(self._driver.demand(now), now)
+        self._condition = condition
+        wanted = self._allowed(self._driver.demand(now), now)
+        demand = self._reaction.limit(wanted, condition, self._measured_angles, self._measured_speeds)
         sense = self._turn(demand.motion, dt)
+        rolling = per_wheel(lambda i: float(condition.wheels[i].drive is not DriveFault.LOCKED))
         self._twist = measured_twist(
-            self._measured_speeds, self._measured_angles, self._motion or STRAIGHT, self._vehicle
+            self._measured_speeds, self._measured_angles, self._motion or STRAIGHT, self._vehicle, rolling
         )
         self._setpoints = self._follow(demand, sense, dt)
         return self._setpoints
@@ -193,7 +205,7 @@ class IcrSteering:
         state = self._driver.state(now)
         doing = f'following {source}' if source else 'no speed command yet: speed 0'
         values = ('source', source or 'none'), ('state', state.name.lower())
-        return health(self._driver.notes(now) + self._notes, doing, values)
+        return health(self._driver.notes(now) + self._reaction.notes + self._notes, doing, values)
 
     def _measure(self, steer_angles: PerWheel, wheel_speeds: PerWheel) -> None:
         self._notes = []
@@ -242,6 +254,7 @@ class IcrSteering:
         if self._motion is None or self._angles is None:
             return self._halt(_ZERO) if halting else self._rest(dt)
         steering = steer(self._motion, self._angles, self._vehicle, self._steering)
+        steering = self._reaction.steer(steering, self._motion, self._angles)
         self._angles = steering.angles
         if halting:
             return self._halt(steering.speeds)
@@ -249,9 +262,11 @@ class IcrSteering:
             wheel, limit = WHEELS[steering.reachable.index(False)], self._steering.steer_limit
             self._notes.append((WARN, f'{wheel} would pass steer_limit, {limit:g} rad, on the way: speed goes to 0'))
             demand = demand._replace(magnitude=0.0, traction=None)
-        if demand.traction is not None:
-            return self._pull(demand.traction, steering.speeds, sense)
         magnitude = demand.magnitude
+        if demand.traction is not None:
+            if demand.traction.force <= 0.0 or abs(self._measured_magnitude(steering.speeds)) <= demand.limit:
+                return self._pull(demand.traction, steering.speeds, sense)
+            magnitude = demand.limit
         if demand.motion is not None:
             magnitude = magnitude_on_the_way(magnitude, self._motion, demand.motion)
         magnitude = self._after_sliding(magnitude, demand.motion)
@@ -299,7 +314,7 @@ class IcrSteering:
             text = f'a wheel is more than {_ALIGNED:g} rad off its set-point: the vehicle slows down'
             self._notes.append((WARN, text))
         wanted = min(max(wanted, -most), most) * aligned
-        limit = self._steering.acceleration_limit
+        limit = self._steering.acceleration_limit or (0.0 if self._condition.sound else DECELERATION)
         magnitude = self._magnitude = _ramp(before, wanted, limit, dt)
         if magnitude == 0.0 or (wanted * magnitude <= 0.0 and STOPPING_RATE * abs(magnitude) < limit):
             forces = self._speed_controller.stand(speeds, dt)
@@ -349,16 +364,20 @@ class IcrSteering:
             return 1.0
         relevant = _SLOW_WHEEL * max(map(abs, unit_speeds))
         error = max(
-            abs(angle - measured)
-            for angle, measured, unit in zip(self._angles, self._measured_angles, unit_speeds, strict=True)
-            if abs(unit) >= relevant
+            (
+                abs(self._angles[i] - self._measured_angles[i])
+                for i in range(4)
+                if abs(unit_speeds[i]) >= relevant and self._condition.wheels[i].steers
+            ),
+            default=0.0,
         )
         return min(max((_MISALIGNED - error) / (_MISALIGNED - _ALIGNED), 0.0), 1.0)
 
     def _set(self, magnitude: float, unit_speeds: PerWheel, forces: PerWheel) -> Setpoints:
         radius = self._vehicle.wheel_radius
+        forces = self._reaction.drive(forces, unit_speeds)
         return Setpoints(
-            self._angles or _ZERO,
+            self._reaction.told(self._angles or _ZERO),
             per_wheel(lambda i: magnitude * unit_speeds[i] / radius),
             per_wheel(lambda i: forces[i] * radius),
             twist_of_motion(self._motion or STRAIGHT, magnitude, length_scale(self._vehicle)),

@@ -68,7 +68,7 @@ def motion_of_icr(x: float, y: float, length: float, straight_radius: float) -> 
     turn = math.copysign(1.0, y) if y else 1.0
     if distance > straight_radius:
         return Motion(turn * y / distance, -turn * x / distance, 0.0)
-    return _unit(turn * y, -turn * x, turn * length)
+    return unit_motion(turn * y, -turn * x, turn * length)
 
 
 def motion_of_twist(vx: float, vy: float, yaw_rate: float, length: float) -> tuple[Motion, float] | None:
@@ -89,7 +89,7 @@ def motion_of_twist(vx: float, vy: float, yaw_rate: float, length: float) -> tup
         return None
     ux, uy, ur = vx / largest, vy / largest, yaw / largest
     sign = math.copysign(1.0, ux or uy or ur)
-    return _unit(sign * ux, sign * uy, sign * ur), sign * largest * math.sqrt(ux * ux + uy * uy + ur * ur)
+    return unit_motion(sign * ux, sign * uy, sign * ur), sign * largest * math.sqrt(ux * ux + uy * uy + ur * ur)
 
 
 def twist_of_motion(motion: Motion, magnitude: float, length: float) -> Twist:
@@ -157,13 +157,14 @@ def turn_towards(motion: Motion, target: Motion, angle: float) -> Motion:
         ax, ay, ar = ax - along * motion.ux, ay - along * motion.uy, ar - along * motion.ur
         sine = math.sqrt(ax * ax + ay * ay + ar * ar)
     c, s = math.cos(angle), math.sin(angle) / sine
-    return _unit(c * motion.ux + s * ax, c * motion.uy + s * ay, c * motion.ur + s * ar)
+    return unit_motion(c * motion.ux + s * ax, c * motion.uy + s * ay, c * motion.ur + s * ar)
 
 
 def _dot(a: Motion, b: Motion) -> float:
     return a.ux * b.ux + a.uy * b.uy + a.ur * b.ur
 
 
-def _unit(x: float, y: float, z: float) -> Motion:
+def unit_motion(x: float, y: float, z: float) -> Motion:
+    """Return the direction of a vector in (vx, vy, r L) that is not 0."""
     norm = math.sqrt(x * x + y * y + z * z)
     return Motion(x / norm, y / norm, z / norm)

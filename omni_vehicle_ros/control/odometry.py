@@ -25,7 +25,13 @@ _REGULAR = 1e-6
 _YAW = 0.05
 
 
-def measured_twist(speeds: PerWheel, steer_angles: PerWheel, motion: Motion, vehicle: VehicleParameters) -> Twist:
+def measured_twist(
+    speeds: PerWheel,
+    steer_angles: PerWheel,
+    motion: Motion,
+    vehicle: VehicleParameters,
+    weights: PerWheel = (1.0, 1.0, 1.0, 1.0),
+) -> Twist:
     """Return the motion that fits the wheels best, by least squares.
 
     Parameters
@@ -38,6 +44,8 @@ def measured_twist(speeds: PerWheel, steer_angles: PerWheel, motion: Motion, veh
         Direction of the commanded motion.
     vehicle
         Positions of the wheels.
+    weights
+        How much each wheel counts; 0 for one that does not roll.
     """
     length = length_scale(vehicle)
     x, y = vehicle.wheel_x, vehicle.wheel_y
@@ -48,9 +56,10 @@ def measured_twist(speeds: PerWheel, steer_angles: PerWheel, motion: Motion, veh
     for i in range(4):
         cos, sin = math.cos(steer_angles[i]), math.sin(steer_angles[i])
         arm = (x[i] * sin - y[i] * cos) / length
-        xx, yy, rr = xx + cos * cos, yy + sin * sin, rr + arm * arm
-        xy, xr, yr = xy + cos * sin, xr + cos * arm, yr + sin * arm
-        bx, by, br = bx + cos * speeds[i], by + sin * speeds[i], br + arm * speeds[i]
+        c, s, a = weights[i] * cos, weights[i] * sin, weights[i] * arm
+        xx, yy, rr = xx + c * cos, yy + s * sin, rr + a * arm
+        xy, xr, yr = xy + c * sin, xr + c * arm, yr + s * arm
+        bx, by, br = bx + c * speeds[i], by + s * speeds[i], br + a * speeds[i]
     # The inverse of a symmetric matrix by its cofactors.
     cx, cy, cr = yy * rr - yr * yr, xr * yr - xy * rr, xy * yr - xr * yy
     dy, dr, er = xx * rr - xr * xr, xy * xr - xx * yr, xx * yy - xy * xy

@@ -5,12 +5,24 @@ import sys
 from rclpy.context import Context
 
 from omni_vehicle_ros import interface
-from omni_vehicle_ros.components.icr_steering import IcrSteering
+from omni_vehicle_ros.components.icr_steering import STATES, TRIMS, IcrSteering
 from omni_vehicle_ros.nodes.declare import declare
 from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.process import run
 from omni_vehicle_ros.nodes.shell import Shell
-from omni_vehicle_ros.parameters import PlantParameters, SteeringParameters, VehicleParameters
+from omni_vehicle_ros.parameters import (
+    PlantParameters,
+    SideSlipParameters,
+    SteeringParameters,
+    VehicleParameters,
+    WheelModuleParameters,
+)
+
+ACTUATORS = (
+    'ideal_actuators', 'steer_delay', 'steer_time_constant', 'steer_rate_limit', 'drive_time_constant',
+    'drive_torque_limit', 'module_timeout',
+)  # fmt: skip
+"""Of the wheel modules: what they are expected to do."""
 
 
 class IcrSteeringNode(Shell):
@@ -24,8 +36,11 @@ class IcrSteeringNode(Shell):
         vehicle = declare(self, VehicleParameters)
         steering = declare(self, SteeringParameters)
         period = declare(self, PlantParameters, only=('control_period',)).control_period
-        component = IcrSteering(vehicle, steering, period, name=self.full_name)
-        self.attach(component)
+        module = declare(self, WheelModuleParameters, only=ACTUATORS)
+        trim_limit = declare(self, SideSlipParameters, only=('trim_limit',)).trim_limit
+        component = IcrSteering(vehicle, steering, module, period, trim_limit, name=self.full_name)
+        trims = TRIMS if interface.SIDE_SLIP_CONTROLLER in self.pacing.participants else ()
+        self.attach(component, previous=(*STATES, *trims))
 
 
 def main() -> None:

@@ -39,6 +39,9 @@ FUTURE = 1_000_000_000
 CONNECT_LIMIT = 3.0
 """Wall time in which a node is connected to all the others, if they are there [s]."""
 
+PREVIOUS_SHARE = 0.125
+"""Share of wait_limit that a node waits for what belongs to the cycle before: less than others wait for that node."""
+
 
 class Shell(ManagedNode):
     """A node around one component; parameters as of `ManagedNode`.
@@ -54,6 +57,7 @@ class Shell(ManagedNode):
         self.finished = False
         self.alone = True
         self._sources: tuple[str, ...] = ()
+        self._previous: tuple[str, ...] = ()
         self._warned: dict[str, float] = {}
         self.pacing = declare(self, PacingParameters)
         self.lockstep = self.pacing.pacing == 'lockstep'
@@ -87,9 +91,13 @@ class Shell(ManagedNode):
                 '/etc/security/limits.conf), or set it to 0'
             )
 
-    def attach(self, component: Component) -> None:
-        """Make the ports of a component and begin to serve it."""
+    def attach(self, component: Component, previous: tuple[str, ...] = ()) -> None:
+        """Make the ports of a component and begin to serve it.
+
+        In lock step it waits for answers of the cycle before on ``previous``, too.
+        """
         self.component, self._sources = component, component.sources
+        self._previous = previous if self.lockstep else ()
         self._inbox = Inbox(self.role, component, fault_injection=self.pacing.fault_injection)
         if self._fault_parameters is None:
             self._fault_parameters = FaultParameters(self, self.role, self.pacing.fault_injection, self.inject)
@@ -142,7 +150,7 @@ class Shell(ManagedNode):
         sources = self._sources
         if self.lockstep and interface.DRIVER in self.pacing.participants and self.subscribes('driver/step'):
             sources = (*sources, 'driver/step')
-        self.gate = Gate(sources)
+        self.gate = Gate(sources, self._previous)
         self._opened = self._activated = time.monotonic()
         rows = self.topics()
         publishers = [outlet.publisher for outlet in self.outlets.values()]
@@ -255,8 +263,13 @@ class Shell(ManagedNode):
             self.publish(self._late.popleft()[1])
         if self._owners.look():
             self._say_strangers(self._owners.strangers)
-        if self.lockstep and self.gate.waiting and time.monotonic() - self._opened > self.pacing.wait_limit:
-            limit = self.pacing.wait_limit
+        if not (self.lockstep and self.gate.waiting):
+            return
+        waited, limit = time.monotonic() - self._opened, self.pacing.wait_limit
+        if waited > PREVIOUS_SHARE * limit:
+            self.gate.give_up_previous()
+            self.act()
+        if self.gate.waiting and waited > limit:
             self.warn(f'no answer from {self.gate.absent()} for {limit:g} s; going on without')
             self.gate.give_up()
             self.act()

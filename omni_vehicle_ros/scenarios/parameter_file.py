@@ -23,7 +23,7 @@ from omni_vehicle_ros.parameters import (
 _WIDTH = 110
 _SHARED = (
     'control_period', 'ideal_actuators', 'steer_delay', 'steer_time_constant', 'steer_rate_limit', 'steer_limit',
-    'drive_time_constant', 'trim_limit',
+    'drive_time_constant', 'drive_torque_limit', 'module_timeout', 'trim_limit',
 )
 
 

@@ -1,0 +1,221 @@
+"""Watches the four wheel modules: what they do against what sound ones would."""
+
+import math
+from typing import NamedTuple
+
+from omni_vehicle_ros.control.fault_tolerance.actuator_twin import ActuatorTwin
+from omni_vehicle_ros.control.fault_tolerance.condition import SOUND, Condition, DriveFault, SteerFault, WheelCondition
+from omni_vehicle_ros.control.fault_tolerance.drive_check import TORQUE_TOLERANCE, DriveCheck
+from omni_vehicle_ros.control.fault_tolerance.steering_check import ANGLE_TOLERANCE, SteeringCheck
+from omni_vehicle_ros.control.freshness import NANOSECONDS
+from omni_vehicle_ros.control.health import ERROR, Note
+from omni_vehicle_ros.control.motion import motion_of_twist
+from omni_vehicle_ros.control.odometry import measured_twist
+from omni_vehicle_ros.control.wheel_module import Setpoint, Trim
+from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
+from omni_vehicle_ros.parameters import VehicleParameters, WheelModuleParameters
+from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
+
+# A wheel slower than this tells no direction [m/s]; a wheel slower than this share of the fastest may stand.
+_SLOWEST = 1.0
+_SLOW = 0.1
+
+# A longer gap between two cycles tells nothing about the actuators [cycles]; so long they are not judged then, if
+# their drives pull already [cycles].
+_LONGEST_GAP = 20
+_SETTLING = 100
+
+# Time over which trims are averaged: far slower than side-slip control [s].
+_TRIM_TIME = 1.0
+
+
+class Measured(NamedTuple):
+    """What joint_states say of the wheels: steer angles [rad], wheel speeds [rad/s], drive torques [N m]."""
+
+    steer_angle: PerWheel
+    wheel_speed: PerWheel
+    torque: PerWheel
+
+
+class Heard(NamedTuple):
+    """What a wheel module and its trimmer have said since the last cycle.
+
+    Attributes
+    ----------
+    begun
+        Whether the module has ever said anything.
+    silent
+        Whether it says nothing though it should.
+    trim
+        The trim that came in, if any.
+    """
+
+    begun: bool
+    silent: bool = False
+    trim: Trim | None = None
+
+
+class ModuleMonitor:
+    """Says what is wrong with the four wheel modules, by what they measure and what they were told.
+
+    Parameters
+    ----------
+    vehicle
+        Places and radius of the wheels.
+    module
+        The actuators of a sound module.
+    control_period
+        Time from one cycle to the next [s].
+    trim_limit
+        Largest steer angle that a trim adds [rad].
+    """
+
+    def __init__(
+        self, vehicle: VehicleParameters, module: WheelModuleParameters, control_period: float, trim_limit: float
+    ) -> None:
+        self._vehicle = vehicle
+        self._wheels = per_wheel(lambda i: _WheelMonitor(module, control_period, trim_limit))
+        self._told: PerWheelSetpoints | None = None
+        self._now: int | None = None
+        self._condition = SOUND
+
+    def told(self, stamp: int, twist: Twist, steer_angle: PerWheel, torque: PerWheel) -> None:
+        """Note the set-points of a cycle, and the motion that they belong to."""
+        setpoints = per_wheel(lambda i: Setpoint(stamp, steer_angle[i], 0.0, torque[i]))
+        self._told = PerWheelSetpoints(twist, setpoints)
+
+    def update(self, stamp: int, measured: Measured, heard: tuple[Heard, Heard, Heard, Heard]) -> Condition:
+        """Take one cycle and return what is wrong.
+
+        Parameters
+        ----------
+        stamp
+            Of the cycle [ns]; the same one again gives the same answer.
+        measured
+            At its begin.
+        heard
+            What the modules said of the cycle before; fl, fr, rl, rr.
+        """
+        if stamp == self._now:
+            return self._condition
+        told, self._now = self._told, stamp
+        if told is None or not all(map(math.isfinite, (*measured.steer_angle, *measured.wheel_speed))):
+            return self._condition
+        radius = self._vehicle.wheel_radius
+        speeds = per_wheel(lambda i: radius * measured.wheel_speed[i])
+        ground = self._over_ground(told.twist, measured.steer_angle, speeds)
+        wheels = per_wheel(
+            lambda i: self._wheels[i].update(
+                stamp, told.wheels[i], heard[i],
+                _Seen(measured.steer_angle[i], measured.torque[i], speeds[i], *ground[i]),
+            )
+        )  # fmt: skip
+        self._condition = Condition(
+            wheels,
+            measured.torque,
+            per_wheel(lambda i: self._wheels[i].trim),
+            per_wheel(lambda i: self._wheels[i].offset),
+        )
+        return self._condition
+
+    @property
+    def notes(self) -> list[Note]:
+        """What is wrong, wheel by wheel."""
+        return [
+            (ERROR, f'{name} {text}')
+            for name, wheel, now in zip(WHEELS, self._wheels, self._condition.wheels, strict=True)
+            for text in wheel.says(now)
+        ]
+
+    def _over_ground(self, told: Twist, angles: PerWheel, speeds: PerWheel) -> tuple[tuple[float, float | None], ...]:
+        """Return of each wheel how fast its place moves along its heading and in which direction, if it does."""
+        guess = motion_of_twist(*told, 0.5 * self._vehicle.wheelbase)
+        if guess is None:
+            return ((0.0, None),) * 4
+        fastest = max(map(abs, speeds))
+
+        def seen(i: int) -> tuple[float, float | None]:
+            stands = abs(speeds[i]) < _SLOW * fastest
+            weights = per_wheel(lambda j: float(not (stands and j == i)))
+            twist = whole if not stands else measured_twist(speeds, angles, guess[0], self._vehicle, weights)
+            ahead, left = wheel_velocities(twist, self._vehicle)[i]
+            along = ahead * math.cos(angles[i]) + left * math.sin(angles[i])
+            return along, math.atan2(left, ahead) if math.hypot(ahead, left) > _SLOWEST else None
+
+        whole = measured_twist(speeds, angles, guess[0], self._vehicle)
+        return per_wheel(seen)
+
+
+class PerWheelSetpoints(NamedTuple):
+    """What the wheels were told: the motion and the set-points of each."""
+
+    twist: Twist
+    wheels: tuple[Setpoint, Setpoint, Setpoint, Setpoint]
+
+
+class _Seen(NamedTuple):
+    """What is seen of one wheel; see `DriveCheck.update` and `SteeringCheck.update`."""
+
+    angle: float
+    torque: float
+    speed: float
+    over_ground: float
+    direction: float | None
+
+
+class _WheelMonitor:
+    """One wheel."""
+
+    def __init__(self, module: WheelModuleParameters, control_period: float, trim_limit: float) -> None:
+        self._module, self._period, self._trim_limit = module, control_period, trim_limit
+        self._step = round(control_period * NANOSECONDS)
+        self._gain = 1.0 - math.exp(-control_period / _TRIM_TIME)
+        self._before = 0.0
+        self._last_trim = self.trim = 0.0
+        self._begin()
+
+    def _begin(self) -> None:
+        self._twin: ActuatorTwin | None = None
+        self._settling = 0
+        self._steering, self._drive = SteeringCheck(), DriveCheck()
+
+    def update(self, now: int, told: Setpoint, heard: Heard, seen: _Seen) -> WheelCondition:
+        before, self._before = self._before, seen.angle
+        self._last_trim = heard.trim.steer_angle if heard.trim else self._last_trim
+        self.trim += self._gain * (self._last_trim - self.trim)
+        cycles = (now - told.stamp) // self._step
+        if not heard.begun or heard.silent or not 0 < cycles <= _LONGEST_GAP:
+            self._begin()
+            return WheelCondition(silent=heard.silent)
+        if self._twin is None:
+            self._twin = ActuatorTwin(self._module, self._period, self._trim_limit, before)
+            self._settling = _SETTLING if abs(seen.torque) > TORQUE_TOLERANCE else 0
+        expected = self._twin.update(told, heard.trim)
+        for number in range(1, cycles):
+            expected = self._twin.update(told._replace(stamp=told.stamp + number * self._step), None)
+        if self._settling:
+            self._settling -= 1
+            return WheelCondition()
+        return WheelCondition(
+            self._steering.update(seen.angle, expected.steer_angle, seen.direction),
+            self._drive.update(seen.torque, expected.torque, seen.speed, seen.over_ground),
+        )
+
+    @property
+    def offset(self) -> float:
+        """By how much the wheel is off its set-points, where that is constant [rad]."""
+        return self._steering.offset
+
+    def says(self, now: WheelCondition) -> list[str]:
+        if now.silent:
+            return ['wheel module is silent']
+        texts = []
+        if now.steer is not SteerFault.NONE:
+            at, limit = self._steering.at, ANGLE_TOLERANCE
+            texts.append(f'steering {now.steer.value}, at {at:.3f} rad: more than {limit:g} rad from its set-points')
+        if now.drive is DriveFault.LOCKED:
+            texts.append('wheel is locked: it stands where it should roll')
+        elif now.drive is not DriveFault.NONE:
+            at, limit = self._drive.at, TORQUE_TOLERANCE
+            texts.append(f'drive {now.drive.value}, at {at:.0f} N m: more than {limit:g} N m from its set-points')
+        return texts

@@ -1,0 +1,227 @@
+"""Whether the sensors of the side-slip controller agree, and what stands in for one that does not.
+
+The yaw rate is measured three times, by odometry, by the IMU and by the wheels, so that the one that disagrees with
+the other two is at fault. Speed is measured by odometry and by the wheels, side slip by its sensor and by odometry
+with the steer angles. A sensor that repeats itself is seen when the others change, odometry by its position as soon as
+the wheels roll.
+"""
+
+import math
+from collections.abc import Collection
+from enum import Enum
+from typing import NamedTuple
+
+from omni_vehicle_ros.control.fault_tolerance.debounce import Debounce
+from omni_vehicle_ros.control.fault_tolerance.steering_check import LIFTED_AFTER, SEEN_AFTER
+from omni_vehicle_ros.control.health import ERROR, WARN, Note
+from omni_vehicle_ros.control.motion import STRAIGHT, length_scale, motion_of_twist
+from omni_vehicle_ros.control.odometry import measured_twist
+from omni_vehicle_ros.control.trim import NO_TRIMS, Sensed, Trims
+from omni_vehicle_ros.model.constants import constants
+from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
+from omni_vehicle_ros.model.loads import roll_angle, roll_steer_angles
+from omni_vehicle_ros.parameters import VehicleParameters
+from omni_vehicle_ros.wheels import PerWheel, per_wheel
+
+YAW_RATE_TOLERANCE = 0.1
+"""Difference of two measured yaw rates that is no fault [rad/s]."""
+
+SPEED_TOLERANCE = 0.5
+"""Difference of a wheel's speed and that of its place on the vehicle that is no fault [m/s], and ..."""
+
+SPEED_SHARE = 0.2
+"""... per speed: tyres that drive or brake slip."""
+
+ACCELERATION_TOLERANCE = 8.0
+"""Difference of two lateral accelerations that is no fault [m/s2]: a banked road and wind are no acceleration."""
+
+SLIP_TOLERANCE = 0.02
+"""Difference of two side-slip angles that is no fault [rad]."""
+
+FADE = 0.3
+"""Time in which the trims go to 0, or come back [s]."""
+
+# Slower than this, wheels say nothing about side slip, and whether odometry moves [m/s].
+_SLOWEST = 2.0
+_MOVES = 0.3
+
+
+class Sensor(Enum):
+    """A sensor, by its topic."""
+
+    ODOM = 'odom'
+    IMU = 'imu'
+    SIDE_SLIP = 'tyres/side_slip'
+
+
+SENSORS = tuple(sensor.value for sensor in Sensor)
+
+
+class Seen(NamedTuple):
+    """What the sensors say in one cycle.
+
+    Attributes
+    ----------
+    sensed
+        What a controller would take of it.
+    yaw_rate
+        Of the IMU [rad/s].
+    place
+        Position by odometry [m].
+    rolling
+        Speeds of the wheels by joint_states [m/s].
+    """
+
+    sensed: Sensed
+    yaw_rate: float
+    place: tuple[float, float]
+    rolling: PerWheel
+
+
+class SensorMonitor:
+    """Says which sensors can't be believed, puts others in their place, and takes the trims back where none is left.
+
+    Parameters
+    ----------
+    vehicle
+        Places of the wheels.
+    """
+
+    def __init__(self, vehicle: VehicleParameters) -> None:
+        self._vehicle = vehicle
+        self._debounce = {sensor: Debounce(SEEN_AFTER, LIFTED_AFTER) for sensor in Sensor}
+        self._why = dict.fromkeys(Sensor, '')
+        self._before: Seen | None = None
+        self._share = 1.0
+        self._blind = False
+        self._model = constants(vehicle)
+
+    def update(self, seen: Seen, silent: Collection[str], *, blind: bool = False) -> Sensed:
+        """Take one cycle and return what a controller may believe.
+
+        Parameters
+        ----------
+        seen
+            What the sensors say.
+        silent
+            Topics of sensors that said nothing.
+        blind
+            Whether joint_states can't be believed: nothing is left then to compare with.
+        """
+        self._blind = blind
+        said = {sensor: 'says nothing' for sensor in Sensor if sensor.value in silent}
+        wrong = said if blind else {**self._disagreements(seen), **said}
+        for sensor, debounce in self._debounce.items():
+            debounce.update(sensor in wrong)
+            self._why[sensor] = wrong.get(sensor, self._why[sensor])
+        self._before = seen
+        return self._stand_in(seen)
+
+    @property
+    def faulty(self) -> tuple[Sensor, ...]:
+        """The sensors that can't be believed."""
+        return tuple(sensor for sensor, debounce in self._debounce.items() if debounce.on)
+
+    @property
+    def notes(self) -> list[Note]:
+        """What is wrong."""
+        notes = [(ERROR, f'{sensor.value} {self._why[sensor]}') for sensor in self.faulty]
+        if self._blind:
+            notes.append((ERROR, "joint_states can't be believed"))
+        if self._lost:
+            notes.append((WARN, 'too few sensors can be believed: no trims'))
+        return notes
+
+    def fade(self, trims: Trims, dt: float) -> Trims:
+        """Return the share of trims that the sensors are good for.
+
+        Parameters
+        ----------
+        trims
+            Of the control law.
+        dt
+            Time since the last cycle [s].
+        """
+        goal = 0.0 if self._lost else 1.0
+        self._share += min(max(goal - self._share, -dt / FADE), dt / FADE)
+        if self._share == 1.0:
+            return trims
+        if self._share == 0.0:
+            return NO_TRIMS
+        share = self._share
+        return Trims(
+            per_wheel(lambda i: share * trims.steer_angle[i]), per_wheel(lambda i: share * trims.torque[i])
+        )
+
+    @property
+    def _lost(self) -> bool:
+        return self._blind or len(self.faulty) > 1
+
+    def _disagreements(self, seen: Seen) -> dict[Sensor, str]:
+        """Return which sensors disagree with the others, and in what."""
+        wrong: dict[Sensor, str] = {}
+        twist, sensed = seen.sensed.twist, seen.sensed
+        if not all(map(math.isfinite, sensed.side_slip)):
+            wrong[Sensor.SIDE_SLIP] = 'has no number'
+        if not all(map(math.isfinite, (*twist, *seen.rolling, *sensed.steer_angle, seen.yaw_rate))):
+            return wrong
+        if abs(seen.yaw_rate - twist.r) > YAW_RATE_TOLERANCE:
+            wheels = self._by_wheels(seen).r
+            liar = Sensor.IMU if abs(seen.yaw_rate - wheels) > abs(twist.r - wheels) else Sensor.ODOM
+            wrong[liar] = f'has another yaw rate than the other sensors, by more than {YAW_RATE_TOLERANCE:g} rad/s'
+        elif abs(sensed.lateral_acceleration - twist.vx * twist.r) > ACCELERATION_TOLERANCE:
+            wrong[Sensor.IMU] = f'has an acceleration that odometry has not, by {ACCELERATION_TOLERANCE:g} m/s2'
+        if self._stands_still(seen):
+            wrong[Sensor.ODOM] = 'stands still while the wheels roll'
+        elif self._another_speed(seen):
+            wrong[Sensor.ODOM] = f'has another speed than the wheels, by more than {SPEED_TOLERANCE:g} m/s'
+        elif Sensor.ODOM not in wrong and not self._debounce[Sensor.ODOM].on and self._another_slip(seen):
+            wrong[Sensor.SIDE_SLIP] = f'does not fit the motion, by more than {SLIP_TOLERANCE:g} rad'
+        return wrong
+
+    def _stands_still(self, seen: Seen) -> bool:
+        moves = sorted(map(abs, seen.rolling))[2] > _MOVES
+        return moves and self._before is not None and seen.place == self._before.place
+
+    def _another_speed(self, seen: Seen) -> bool:
+        """Return whether most wheels roll at another speed than odometry says of their places."""
+        velocities = wheel_velocities(seen.sensed.twist, self._vehicle)
+        angles, speeds = seen.sensed.steer_angle, seen.rolling
+        along = per_wheel(lambda i: velocities[i][0] * math.cos(angles[i]) + velocities[i][1] * math.sin(angles[i]))
+        return sum(abs(along[i] - speeds[i]) > SPEED_TOLERANCE + SPEED_SHARE * abs(speeds[i]) for i in range(4)) > 2
+
+    def _another_slip(self, seen: Seen) -> bool:
+        sensed, rolling = seen.sensed, seen.rolling
+        told = self._slips(sensed.twist, sensed.steer_angle)
+        return any(
+            abs(rolling[i]) > _SLOWEST
+            and (abs(sensed.side_slip[i] - told[i]) > SLIP_TOLERANCE
+                 or abs(sensed.wheel_speed[i] - rolling[i]) > SPEED_TOLERANCE)
+            for i in range(4)
+        )
+
+    def _slips(self, twist: Twist, angles: PerWheel) -> PerWheel:
+        """Return the side slips of a motion [rad], with the roll steer of its lateral acceleration."""
+        velocities = wheel_velocities(twist, self._vehicle)
+        roll = roll_steer_angles(roll_angle(twist.vx * twist.r, self._model), self._model)
+
+        def slip(i: int) -> float:
+            (ahead, left), angle = velocities[i], angles[i] + roll[i]
+            cos, sin = math.cos(angle), math.sin(angle)
+            return -math.atan2(left * cos - ahead * sin, abs(ahead * cos + left * sin))
+
+        return per_wheel(slip)
+
+    def _by_wheels(self, seen: Seen) -> Twist:
+        told = motion_of_twist(*seen.sensed.commanded, length_scale(self._vehicle))
+        return measured_twist(seen.rolling, seen.sensed.steer_angle, told[0] if told else STRAIGHT, self._vehicle)
+
+    def _stand_in(self, seen: Seen) -> Sensed:
+        sensed, faulty = seen.sensed, self.faulty
+        if len(faulty) != 1:
+            return sensed
+        if faulty[0] is Sensor.ODOM:
+            return sensed._replace(twist=self._by_wheels(seen)._replace(r=seen.yaw_rate))
+        if faulty[0] is Sensor.IMU:
+            return sensed._replace(lateral_acceleration=sensed.twist.vx * sensed.twist.r)
+        return sensed._replace(side_slip=self._slips(sensed.twist, sensed.steer_angle), wheel_speed=seen.rolling)
