@@ -14,7 +14,8 @@ from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
 from omni_vehicle_ros.bench.examples import example
-from omni_vehicle_ros.interface import NODES, PLANT, TOPICS, Topic, resolve, topic
+from omni_vehicle_ros.components.icr_steering import STATES, TRIMS
+from omni_vehicle_ros.interface import ICR_STEERING, NODES, PLANT, TOPICS, Topic, resolve, topic
 from omni_vehicle_ros.messages import SECOND, Diagnostics, Status, encode
 from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.ports import message_class, publisher_profile
@@ -49,7 +50,8 @@ class BareNode(Node):  # type: ignore[misc]
         self._answered = -1
         rows = [row for row in TOPICS if row.cyclic and row.name != '/clock']
         inputs = [row for row in rows if role in row.subscribers and {*row.publishers} & {*nodes}]
-        self._came = {row.name: -1 for row in inputs}
+        earlier = {*STATES, *TRIMS} if role == ICR_STEERING else set()  # of the cycle before
+        self._came = {row.name: -1 for row in inputs if row.name not in earlier}
         self._outlets = [self._outlet(row, namespace) for row in rows if role in row.publishers]
         self._diagnostics = self._outlet(topic('/diagnostics'), namespace) if role == PLANT else None
         for row in inputs:
@@ -69,7 +71,8 @@ class BareNode(Node):  # type: ignore[misc]
         stamp = message.header.stamp
         time = stamp.sec * SECOND + stamp.nanosec
         came = self._came
-        came[topic] = max(time, came[topic])
+        if topic in came:
+            came[topic] = max(time, came[topic])
         if all(one == time for one in came.values()) and (time > self._answered or topic == BEAT):
             self._answered = time
             self._answer(time + self._ahead)
