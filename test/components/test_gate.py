@@ -92,3 +92,22 @@ def test_never_ready_while_a_source_that_counts_is_behind(events: list[tuple[str
         ready = gate.ready()
         if ready is not None:
             assert all(latest[source] >= ready or source in gate.lost for source in latest)
+
+
+def test_a_clock_that_goes_back_is_waited_for_anew() -> None:
+    """Answers from before count no more, but one for the new time that came ahead of the beat does."""
+    gate = Gate(['odom', 'imu'])
+    gate.open(100)
+    gate.answer('odom', 100)
+    gate.answer('imu', 100)
+    assert gate.ready() == 100
+    gate.close()
+    gate.answer('odom', 40)
+    gate.open(40)
+    assert gate.ready() is None
+    assert gate.absent() == 'imu'
+    gate.answer('imu', 40)
+    assert gate.ready() == 40
+    gate.close()
+    gate.open(45)
+    assert gate.absent() == 'odom, imu'

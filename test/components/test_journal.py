@@ -3,6 +3,7 @@
 import random
 
 from omni_vehicle_ros.components.journal import Journal
+from omni_vehicle_ros.faults import faults_message, make_fault
 from omni_vehicle_ros.interface import Qos, topic
 from omni_vehicle_ros.messages import Diagnostics, Joints, Point, Status, encode
 
@@ -68,6 +69,21 @@ def test_missing_cycles_are_counted() -> None:
     assert journal.lost == 3 * 2
     assert not journal.complete(7 * PERIOD)
     assert journal.complete(6 * PERIOD)
+
+
+def test_of_a_clock_that_jumps_nothing_is_missing_but_what_is() -> None:
+    """Ahead by 30 cycles, which the topic of faults tells, and back by 20; one cycle is really missing."""
+    journal = Journal(Memory(), '', PERIOD)
+    told = {10: 30 * PERIOD / 1e9, 50: -20 * PERIOD / 1e9}
+    for number in (*range(11), *range(41, 51), *range(31, 60), *range(61, 100)):
+        for name, data in cycle(number):
+            journal.add(name, data)
+        if number in told:
+            fault = make_fault('clock', 'wrong', told.pop(number))
+            journal.add('faults', encode(topic('faults').type, faults_message(number * PERIOD, [fault])))
+    journal.flush()
+    assert journal.lost == 3  # topics of cycle 60
+    assert journal.complete(99 * PERIOD)
 
 
 def test_stamps_of_other_clocks_are_logged_at_simulated_time() -> None:
