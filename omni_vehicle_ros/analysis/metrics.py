@@ -18,7 +18,7 @@ import numpy as np
 
 from omni_vehicle_ros.analysis.regions import Regions, region_metrics, regions
 from omni_vehicle_ros.analysis.signals import Array, last_window, peak, steady_state, step_metrics
-from omni_vehicle_ros.analysis.topics import columns
+from omni_vehicle_ros.analysis.topics import columns, truth
 from omni_vehicle_ros.analysis.turn_limit import ends_in_a_turn, turn_limit
 from omni_vehicle_ros.bags import Bag, Columns
 from omni_vehicle_ros.model.tyres.region import Region
@@ -105,7 +105,7 @@ def unsteady_reason(bag: Bag, vehicle: VehicleParameters, places: Regions, limit
     limit
         Of its turn, if it is known.
     """
-    odom = bag['odom']
+    odom = truth(bag, 'odom')
     window = last_window(odom.stamp)
     if window is None:
         return 'shorter than a second'

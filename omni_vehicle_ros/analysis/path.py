@@ -1,6 +1,6 @@
 """The path seen from above, with the vehicle and its wheels drawn along it."""
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from matplotlib.patches import FancyBboxPatch, Polygon, Rectangle
@@ -8,7 +8,7 @@ from matplotlib.transforms import Affine2D, Transform
 
 from omni_vehicle_ros.analysis.signals import Array
 from omni_vehicle_ros.analysis.style import ACCENT, INK, MUTED, WHEEL_COLOURS
-from omni_vehicle_ros.bags import Columns
+from omni_vehicle_ros.analysis.topics import Topics, truth
 from omni_vehicle_ros.parameters import VehicleParameters
 
 if TYPE_CHECKING:
@@ -21,16 +21,6 @@ _GAP = 1.25
 _MOST = 18
 _FARTHEST_ICR = 20.0
 _TIME_ROOM = 22.0  # pt, what a time takes beside the path
-
-
-class Motion(Protocol):
-    """Columns by topic: a bag, or what is left of one."""
-
-    def __contains__(self, topic: str, /) -> bool:
-        """Tell whether there is a topic."""
-
-    def __getitem__(self, topic: str, /) -> Columns:
-        """Return the columns of a topic."""
 
 
 class _Sight(NamedTuple):
@@ -46,7 +36,7 @@ class _Sight(NamedTuple):
     steer_angles: tuple[float, ...]
 
 
-def plot_path(bag: Motion, axes: 'Axes', vehicle: VehicleParameters | None = None) -> None:
+def plot_path(bag: Topics, axes: 'Axes', vehicle: VehicleParameters | None = None) -> None:
     """Draw the path of the centre of gravity from above, and the vehicle and its steered wheels along it.
 
     In the middle of its turns thin lines join the wheels with its instantaneous centre of rotation.
@@ -61,7 +51,7 @@ def plot_path(bag: Motion, axes: 'Axes', vehicle: VehicleParameters | None = Non
         Its dimensions; the thesis's if not given.
     """
     vehicle = vehicle or VehicleParameters()
-    odom = bag['odom']
+    odom = truth(bag, 'odom')
     axes.plot(odom.x, odom.y, color=INK, linewidth=1.0, zorder=2)
     sights = [_sight(bag, index) for index in snapshots(odom.x, odom.y, vehicle)]
     turning = [sight for sight in sights if sight.steer_angles and _icr_distance(sight) < _FARTHEST_ICR]
@@ -110,8 +100,8 @@ def _first_at_each_place(chosen: list[int], x: Array, y: Array, gap: float) -> l
     return kept
 
 
-def _sight(bag: Motion, index: int) -> _Sight:
-    odom = bag['odom']
+def _sight(bag: Topics, index: int) -> _Sight:
+    odom = truth(bag, 'odom')
     return _Sight(
         float(odom.stamp[index]), float(odom.x[index]), float(odom.y[index]), float(odom.heading[index]),
         float(odom.vx[index]), float(odom.vy[index]), float(odom.yaw_rate[index]),
@@ -119,8 +109,8 @@ def _sight(bag: Motion, index: int) -> _Sight:
     )
 
 
-def _steer_angles(bag: Motion, time: float) -> tuple[float, ...]:
-    joints = bag['joint_states']
+def _steer_angles(bag: Topics, time: float) -> tuple[float, ...]:
+    joints = truth(bag, 'joint_states')
     row = min(int(np.searchsorted(joints.stamp, time - 1e-9)), len(joints.stamp) - 1)
     return tuple(joints.position[row, :4].tolist())
 

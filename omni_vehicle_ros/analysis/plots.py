@@ -10,7 +10,7 @@ from omni_vehicle_ros.analysis.path import plot_path
 from omni_vehicle_ros.analysis.regions import regions, spans
 from omni_vehicle_ros.analysis.signals import Array
 from omni_vehicle_ros.analysis.style import ACCENT, INK, MUTED, REGION_COLOURS, SECOND, WHEEL_COLOURS, line
-from omni_vehicle_ros.analysis.topics import friction, has
+from omni_vehicle_ros.analysis.topics import friction, has, truth
 from omni_vehicle_ros.bags import Bag
 from omni_vehicle_ros.model.tyres.region import Region
 from omni_vehicle_ros.scenarios import Scenario
@@ -56,7 +56,7 @@ def draw_plots(bag: Bag, scenario: Scenario) -> list[Plot]:
 
 
 def _path(bag: Bag, scenario: Scenario) -> Plot:
-    x, y = bag['odom'].x, bag['odom'].y
+    x, y = truth(bag, 'odom').x, truth(bag, 'odom').y
     margin = 2 * scenario.vehicle.wheelbase
     height = 7.6 * (np.ptp(y) + margin) / (np.ptp(x) + margin) + LABELS
     figure = Figure(figsize=(7.6, float(np.clip(height, 2.4, 8.0))))
@@ -97,7 +97,7 @@ def _tidy(figure: Figure, times: list[float]) -> None:
 
 
 def _speed(bag: Bag) -> Plot:
-    odom = bag['odom']
+    odom = truth(bag, 'odom')
     figure, (speed, yaw) = stacked_axes('speed [m/s]', 'yaw rate [°/s]')
     line(speed, odom.stamp, odom.vx, INK, 'forward')
     line(speed, odom.stamp, odom.vy, SECOND, 'lateral')
@@ -111,7 +111,7 @@ def _speed(bag: Bag) -> Plot:
 
 
 def _side_slip(bag: Bag) -> Plot:
-    slip = bag['tyres/side_slip']
+    slip = truth(bag, 'tyres/side_slip')
     figure, (axes,) = stacked_axes('side slip [°]')
     _each_wheel(axes, slip.stamp, np.degrees(slip.position))
     return Plot('side-slip', 'Side slip of the tyres', 'Positive where it makes a force to the left.', figure)
@@ -136,7 +136,7 @@ def _regions(bag: Bag, scenario: Scenario) -> Plot:
 
 
 def _steer_angles(bag: Bag) -> Plot:
-    joints = bag['joint_states']
+    joints = truth(bag, 'joint_states')
     figure = Figure(figsize=(WIDTH, HEIGHT), layout='constrained')
     grid = figure.subplots(2, 2, sharex=True, sharey=True)
     for i, (axes, wheel) in enumerate(zip(grid.flat, WHEELS, strict=True)):
@@ -154,7 +154,7 @@ def _steer_angles(bag: Bag) -> Plot:
 
 
 def _friction_use(bag: Bag) -> Plot:
-    slip = bag['tyres/side_slip']
+    slip = truth(bag, 'tyres/side_slip')
     figure, (axes,) = stacked_axes('friction use')
     _each_wheel(axes, slip.stamp, slip.effort)
     axes.axhline(1.0, color=MUTED, linewidth=0.8)
@@ -180,7 +180,7 @@ def _forces(bag: Bag) -> Plot:
 
 
 def _body(bag: Bag) -> Plot:
-    imu = bag['imu']
+    imu = truth(bag, 'imu')
     figure, (acceleration, roll) = stacked_axes('acceleration [m/s²]', 'roll [°]')
     line(acceleration, imu.stamp, imu.ax, ACCENT, 'forward')
     line(acceleration, imu.stamp, imu.ay, INK, 'lateral')
@@ -207,7 +207,7 @@ _ENVIRONMENT: tuple[tuple[str, str, Callable[[Bag], tuple[Array, Array]]], ...] 
 
 
 def _environment(bag: Bag) -> Plot:
-    end = bag['odom'].stamp[-1]
+    end = truth(bag, 'odom').stamp[-1]
     there = [row for row in _ENVIRONMENT if has(bag, row[0])]
     figure, grid = stacked_axes(*(label for _, label, _ in there))
     for axes, (_, _, read) in zip(grid, there, strict=True):

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from omni_vehicle_ros.analysis.signals import Array
-from omni_vehicle_ros.analysis.topics import friction
+from omni_vehicle_ros.analysis.topics import friction, truth
 from omni_vehicle_ros.bags import Bag
 from omni_vehicle_ros.model.constants import Constants, constants
 from omni_vehicle_ros.model.contact import WALKING_PACE
@@ -39,7 +39,7 @@ def regions(bag: Bag, vehicle: VehicleParameters) -> Regions:
     vehicle
         The vehicle of the run.
     """
-    slip, force, model = bag['tyres/side_slip'], bag['tyres/force'], constants(vehicle)
+    slip, force, model = truth(bag, 'tyres/side_slip'), bag['tyres/force'], constants(vehicle)
     grips = friction(bag)
     rows, grip_rows = (_last_row(stamp, slip.stamp) for stamp in (force.stamp, grips[0]))
     demands = np.array(force.forces)[rows]
@@ -63,7 +63,7 @@ def regions(bag: Bag, vehicle: VehicleParameters) -> Regions:
 
 def _paces(bag: Bag, times: Array, model: Constants) -> Array:
     """Return the speed over ground of each wheel, negative backward [m/s], shape (n, 4)."""
-    odom = bag['odom']
+    odom = truth(bag, 'odom')
     rows = _last_row(odom.stamp, times)
     vx, vy, r = (signal[rows, np.newaxis] for signal in (odom.vx, odom.vy, odom.yaw_rate))
     along = vx - r * np.array(model.wheel_y)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from omni_vehicle_ros.analysis.topics import friction, has
+from omni_vehicle_ros.analysis.topics import friction, has, truth
 from omni_vehicle_ros.bags import Bag
 from omni_vehicle_ros.errors import CommandError
 from omni_vehicle_ros.model.dynamics import Environment
@@ -48,7 +48,7 @@ def ends_in_a_turn(bag: Bag, vehicle: VehicleParameters) -> bool:
     """
     from omni_vehicle_ros.model.kinematics import Twist
 
-    held, odom = _held(bag, vehicle), bag['odom']
+    held, odom = _held(bag, vehicle), truth(bag, 'odom')
     end = Twist(float(odom.vx[-1]), float(odom.vy[-1]), float(odom.yaw_rate[-1]))
     turn = held.near(end) if held else None
     if held is None or turn is None or not turn.stable:
@@ -59,10 +59,10 @@ def ends_in_a_turn(bag: Bag, vehicle: VehicleParameters) -> bool:
 
 def _held(bag: Bag, vehicle: VehicleParameters) -> 'Turning | None':
     """Return the vehicle as it stands in the end of a turn whose limit is known, None of a run of another kind."""
-    vx = bag['odom'].vx
+    vx = truth(bag, 'odom').vx
     if not (vx[0] > 0.0 and np.all(vx == vx[0]) and has(bag, 'driver/icr') and has(bag, 'joint_states')):
         return None
-    icr, angles = bag['driver/icr'], bag['joint_states'].position[-1, :4]
+    icr, angles = bag['driver/icr'], truth(bag, 'joint_states').position[-1, :4]
     x, radius = float(icr.x[-1]), float(icr.y[-1])
     if x != 0.0 or not math.isfinite(radius) or np.all(np.abs(angles) <= ALIGNED):
         return None

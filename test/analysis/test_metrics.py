@@ -12,6 +12,8 @@ from omni_vehicle_ros.analysis.topics import friction
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.model.tyres.dugoff import second_critical_slip
 from omni_vehicle_ros.parameters import VehicleParameters
+from omni_vehicle_ros.scenarios.scenario import make_scenario
+from omni_vehicle_ros.simulation import record
 from omni_vehicle_ros.wheels import WHEELS
 
 Motions = Callable[..., Any]
@@ -154,3 +156,20 @@ def test_a_spin_in_place_has_radius_0() -> None:
 def test_a_crab_has_no_radius() -> None:
     time = np.arange(301) * 0.01
     assert path_radius(time, np.full(301, 1.0), np.full(301, 0.5), 0.0 * time) is None
+
+
+def test_a_sensor_that_lies_does_not_deceive_the_metrics() -> None:
+    """Without a controller nobody acts on odom and tyres/side_slip: with their faults the metrics are the same."""
+    drive = {
+        'duration': 2.0,
+        'plant': {'initial_speed': 4.0},
+        'commands': [{'at': 0.0, 'icr': [0.0, 10.0], 'speed': 4.0}],
+    }
+    events = [
+        {'at': 0.5, 'component': 'odom', 'failure': 'wrong', 'for': 1.0},
+        {'at': 0.5, 'component': 'tyres/side_slip', 'failure': 'intermittent', 'value': 0.1},
+    ]
+    sound, faulty = (make_scenario('x', {**drive, 'faults': faults}) for faults in ([], events))
+    bag = record(faulty)
+    assert bag['odom'].vx.max() > 4.5
+    assert compute_metrics(bag, faulty.vehicle) == compute_metrics(record(sound), sound.vehicle)
