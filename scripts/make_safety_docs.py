@@ -11,6 +11,7 @@ import numpy as np
 
 from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.faults import Fault
+from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.messages import Diagnostics, Joints, Odometry
 from omni_vehicle_ros.scenarios import Scenario, load_scenario, scenario_names
 from omni_vehicle_ros.simulation import Simulation
@@ -80,9 +81,11 @@ def named_after(said: list[tuple[int, str]], fault: Fault, at: float, period: fl
     name = fault.component.removeprefix('messages/')
     wheel = name.partition('/')[0]
     subject = wheel if wheel in WHEELS else name
+    if subject in WHEELS:  # which the side-slip controller names for their side slip
+        said = [entry for entry in said if not entry[1].startswith(SIDE_SLIP_CONTROLLER)]
     for stamp, text in said:
         cycles = round((stamp / 1e9 - at) / period)
-        if cycles >= 0 and (subject in text or name == 'clock'):
+        if cycles >= 0 and subject in text:
             return f'{cycles} ({text.partition(":")[0]})'
     return 'not seen'
 

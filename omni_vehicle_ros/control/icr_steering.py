@@ -179,14 +179,18 @@ class IcrSteering:
         """
         if now == self._now:
             return self._setpoints
-        if self._now is not None and now < self._now:
+        back = self._now is not None and now < self._now
+        if back:
             self._start()
         dt = self._period if self._now is None else (now - self._now) / NANOSECONDS
-        if dt > _LONGEST_STEP * self._period:
+        ahead = dt > _LONGEST_STEP * self._period
+        if ahead:
             self._speed_controller.reset()
             self._magnitude, dt = None, _LONGEST_STEP * self._period
         self._now = now
         self._measure(steer_angles, wheel_speeds)
+        if back or ahead:
+            self._notes.append((WARN, 'the clock went back: no command holds' if back else 'the clock jumped ahead'))
         self._condition = condition
         wanted = self._allowed(self._driver.demand(now), now)
         demand = self._reaction.limit(wanted, condition, self._measured_angles, self._measured_speeds)

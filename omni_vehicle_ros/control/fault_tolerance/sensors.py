@@ -35,8 +35,11 @@ SPEED_SHARE = 0.2
 ACCELERATION_TOLERANCE = 8.0
 """Difference of two lateral accelerations that is no fault [m/s2]: a banked road and wind are no acceleration."""
 
-SLIP_TOLERANCE = 0.02
+SLIP_TOLERANCE = 0.03
 """Difference of two side-slip angles that is no fault [rad]."""
+
+SLIP_STEP = 0.03
+"""Change of a side-slip angle in one cycle that is no fault, if it comes again and again [rad]."""
 
 FADE = 0.3
 """Time in which the trims go to 0, or come back [s]."""
@@ -44,6 +47,9 @@ FADE = 0.3
 # Slower than this, wheels say nothing about side slip, and whether odometry moves [m/s].
 _SLOWEST = 2.0
 _MOVES = 0.3
+
+# Torque that no wheel slips by, be it on ice [N m].
+_FREE = 50.0
 
 
 class Sensor(Enum):
@@ -109,8 +115,9 @@ class SensorMonitor:
             Whether joint_states can't be believed: nothing is left then to compare with.
         """
         self._blind = blind
-        said = {sensor: 'says nothing' for sensor in Sensor if sensor.value in silent}
-        wrong = said if blind else {**self._disagreements(seen), **said}
+        wrong = {} if blind else self._disagreements(seen)
+        wrong.update(self._alone(seen.sensed.side_slip))
+        wrong.update((sensor, 'says nothing') for sensor in Sensor if sensor.value in silent)
         for sensor, debounce in self._debounce.items():
             debounce.update(sensor in wrong)
             self._why[sensor] = wrong.get(sensor, self._why[sensor])
@@ -161,8 +168,6 @@ class SensorMonitor:
         """Return which sensors disagree with the others, and in what."""
         wrong: dict[Sensor, str] = {}
         twist, sensed = seen.sensed.twist, seen.sensed
-        if not all(map(math.isfinite, sensed.side_slip)):
-            wrong[Sensor.SIDE_SLIP] = 'has no number'
         if not all(map(math.isfinite, (*twist, *seen.rolling, *sensed.steer_angle, seen.yaw_rate))):
             return wrong
         if abs(seen.yaw_rate - twist.r) > YAW_RATE_TOLERANCE:
@@ -179,20 +184,35 @@ class SensorMonitor:
             wrong[Sensor.SIDE_SLIP] = f'does not fit the motion, by more than {SLIP_TOLERANCE:g} rad'
         return wrong
 
+    def _alone(self, slips: PerWheel) -> dict[Sensor, str]:
+        """Return what is wrong with side slips by themselves."""
+        if not all(map(math.isfinite, slips)):
+            return {Sensor.SIDE_SLIP: 'has no number'}
+        before = self._before.sensed.side_slip if self._before else slips
+        if any(abs(now - then) > SLIP_STEP for now, then in zip(slips, before, strict=True)):
+            return {Sensor.SIDE_SLIP: f'jumps by more than {SLIP_STEP:g} rad in a cycle'}
+        return {}
+
     def _stands_still(self, seen: Seen) -> bool:
         moves = sorted(map(abs, seen.rolling))[2] > _MOVES
         return moves and self._before is not None and seen.place == self._before.place
 
     def _another_speed(self, seen: Seen) -> bool:
-        """Return whether most wheels roll at another speed than odometry says of their places."""
+        """Return whether most wheels roll at another speed than odometry says of their places.
+
+        Wheels that drive or brake may spin or lock on ice, and tell nothing.
+        """
         velocities = wheel_velocities(seen.sensed.twist, self._vehicle)
         angles, speeds = seen.sensed.steer_angle, seen.rolling
         along = per_wheel(lambda i: velocities[i][0] * math.cos(angles[i]) + velocities[i][1] * math.sin(angles[i]))
-        return sum(abs(along[i] - speeds[i]) > SPEED_TOLERANCE + SPEED_SHARE * abs(speeds[i]) for i in range(4)) > 2
+        return 2 < sum(
+            abs(torque) < _FREE and abs(ground - speed) > SPEED_TOLERANCE + SPEED_SHARE * abs(speed)
+            for ground, speed, torque in zip(along, speeds, seen.sensed.drive_torque, strict=True)
+        )
 
     def _another_slip(self, seen: Seen) -> bool:
         sensed, rolling = seen.sensed, seen.rolling
-        told = self._slips(sensed.twist, sensed.steer_angle)
+        told = self._slips(sensed)
         return any(
             abs(rolling[i]) > _SLOWEST
             and (abs(sensed.side_slip[i] - told[i]) > SLIP_TOLERANCE
@@ -200,10 +220,16 @@ class SensorMonitor:
             for i in range(4)
         )
 
-    def _slips(self, twist: Twist, angles: PerWheel) -> PerWheel:
-        """Return the side slips of a motion [rad], with the roll steer of its lateral acceleration."""
+    def _slips(self, sensed: Sensed) -> PerWheel:
+        """Return the side slips by odometry and steer angles [rad], roll steer included.
+
+        It goes by the smaller of two lateral accelerations: a vehicle that slides turns more than it accelerates, and
+        an IMU that lies is not to be believed.
+        """
+        twist, angles = sensed.twist, sensed.steer_angle
         velocities = wheel_velocities(twist, self._vehicle)
-        roll = roll_steer_angles(roll_angle(twist.vx * twist.r, self._model), self._model)
+        acceleration = min(twist.vx * twist.r, sensed.lateral_acceleration, key=abs)
+        roll = roll_steer_angles(roll_angle(acceleration, self._model), self._model)
 
         def slip(i: int) -> float:
             (ahead, left), angle = velocities[i], angles[i] + roll[i]
@@ -224,4 +250,4 @@ class SensorMonitor:
             return sensed._replace(twist=self._by_wheels(seen)._replace(r=seen.yaw_rate))
         if faulty[0] is Sensor.IMU:
             return sensed._replace(lateral_acceleration=sensed.twist.vx * sensed.twist.r)
-        return sensed._replace(side_slip=self._slips(sensed.twist, sensed.steer_angle), wheel_speed=seen.rolling)
+        return sensed._replace(side_slip=self._slips(sensed), wheel_speed=seen.rolling)
