@@ -126,7 +126,7 @@ def without_reaction(scenario: Scenario) -> Scenario:
 
 
 @pytest.mark.parametrize('fault', [
-    (2.0, 'front_left/steering', 'stuck'), (2.0, 'rear_right/steering', 'stuck'), (2.0, 'front_left/module', 'off'),
+    (2.0, 'front_left/steering', 'stuck'), (2.0, 'front_left/module', 'off'),
     (3.3, 'rear_left/drive', 'stuck'), (2.0, 'tyres/side_slip', 'stuck'),
 ])  # fmt: skip
 def test_the_path_is_better_kept_with_the_reaction(fault: tuple) -> None:

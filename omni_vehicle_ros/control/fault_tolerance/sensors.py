@@ -205,10 +205,10 @@ class SensorMonitor:
         velocities = wheel_velocities(seen.sensed.twist, self._vehicle)
         angles, speeds = seen.sensed.steer_angle, seen.rolling
         along = per_wheel(lambda i: velocities[i][0] * math.cos(angles[i]) + velocities[i][1] * math.sin(angles[i]))
-        return 2 < sum(
+        return sum(
             abs(torque) < _FREE and abs(ground - speed) > SPEED_TOLERANCE + SPEED_SHARE * abs(speed)
             for ground, speed, torque in zip(along, speeds, seen.sensed.drive_torque, strict=True)
-        )
+        ) > 2
 
     def _another_slip(self, seen: Seen) -> bool:
         sensed, rolling = seen.sensed, seen.rolling

@@ -1,5 +1,6 @@
 """Checks of single wheels, joints and sensors: seen in the stated number of cycles, named by their kind, and lifted."""
 
+import itertools
 import math
 
 import pytest
@@ -192,6 +193,6 @@ def test_with_two_faulty_sensors_the_trims_fade_without_a_step_and_come_back():
         lies = {'yaw_rate': 1.5, 'side_slip': (0.3,) * 4} if 50 <= cycle < 150 else {}
         monitor.update(sensors(cycle, **lies), ())
         given.append(monitor.fade(trims, PERIOD).steer_angle[0])
-    steps = [abs(b - a) for a, b in zip(given, given[1:], strict=False)]
+    steps = [abs(b - a) for a, b in itertools.pairwise(given)]
     assert max(steps) <= 0.2 * PERIOD / FADE + 1e-12
     assert given[49] == 0.2 and given[149] == 0.0 and given[-1] == pytest.approx(0.2)
