@@ -20,7 +20,8 @@ from omni_vehicle_ros.wheels import WHEELS
 PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'safety.md'
 BEGIN, END = '<!-- figures: begin -->', '<!-- figures: end -->'
 HEAD = (
-    '| scenario | fault | named after | path error with | without | slip with | without | speed at the end with | without |\n'
+    '| scenario | fault | named after | path error with | without | slip with | without '
+    '| speed at the end with | without |\n'
     '| --- | --- | --- | --- | --- | --- | --- | --- | --- |'
 )
 
