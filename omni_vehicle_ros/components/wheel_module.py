@@ -3,6 +3,7 @@
 from omni_vehicle_ros.components.component import NANOSECONDS, WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
 from omni_vehicle_ros.control.failing_actuator import FailingDrive, FailingSteer
+from omni_vehicle_ros.control.fault_tolerance.order_check import OrderCheck
 from omni_vehicle_ros.control.health import Note
 from omni_vehicle_ros.control.wheel_module import Setpoint, Trim
 from omni_vehicle_ros.control.wheel_module import WheelModule as Law
@@ -56,6 +57,8 @@ class WheelModule:
         self._awaits_trim = trimmed
         self._wheel_speed = self._steer_angle = 0.0
         self._malformed = ''
+        cycle = round(control_period * NANOSECONDS)
+        self._orders = {topic: OrderCheck(topic, cycle) for topic in (self._command, trim)}
         self._reporter = Reporter(self.name)
 
     def receive(self, topic: str, value: Value, now: int) -> None:
@@ -73,6 +76,8 @@ class WheelModule:
                 self._steer.measured = self._steer_angle
         elif not len(value.position) == len(value.velocity) == len(value.effort) == 2:
             self._malformed = f'{topic} needs position, velocity and effort of steer and drive; the last one is kept'
+        elif not self._orders[topic].take(value.stamp, now):
+            return
         elif topic == self._command:
             self._law.command(Setpoint(value.stamp, value.position[0], value.velocity[1], value.effort[1]))
         else:
@@ -103,6 +108,7 @@ class WheelModule:
         """Return what is wrong beside what the law says."""
         notes = [(WARN, self._malformed)] if self._malformed else []
         self._malformed = ''
+        notes += [(WARN, text) for text in (order.wrong() for order in self._orders.values()) if text]
         self._begun = stamp if self._begun is None else min(self._begun, stamp)
         if self._awaits_trim and stamp - self._begun >= START_UP:
             notes.append((WARN, f'no trim from {SIDE_SLIP_CONTROLLER} yet: set-point alone'))

@@ -10,6 +10,7 @@ from omni_vehicle_ros.control.fault_tolerance.condition import DriveFault, Steer
 from omni_vehicle_ros.control.fault_tolerance.debounce import Debounce
 from omni_vehicle_ros.control.fault_tolerance.drive_check import LOCKED_AFTER, DriveCheck
 from omni_vehicle_ros.control.fault_tolerance.joint_check import JointCheck, Joints
+from omni_vehicle_ros.control.fault_tolerance.order_check import OrderCheck
 from omni_vehicle_ros.control.fault_tolerance.sensors import FADE, Seen, Sensor, SensorMonitor
 from omni_vehicle_ros.control.fault_tolerance.steering_check import (
     ANGLE_TOLERANCE,
@@ -196,3 +197,15 @@ def test_with_two_faulty_sensors_the_trims_fade_without_a_step_and_come_back():
     steps = [abs(b - a) for a, b in itertools.pairwise(given)]
     assert max(steps) <= 0.2 * PERIOD / FADE + 1e-12
     assert given[49] == 0.2 and given[149] == 0.0 and given[-1] == pytest.approx(0.2)
+
+
+def test_messages_that_come_twice_late_or_out_of_order_are_named():
+    order = OrderCheck('front_left/command', STEP)
+    assert [order.take(stamp * STEP, stamp * STEP) for stamp in (1, 2, 3)] == [True] * 3
+    assert order.wrong() == ''
+    assert order.take(3 * STEP, 3 * STEP) and order.wrong() == 'front_left/command comes twice'
+    assert not order.take(2 * STEP, 3 * STEP) and 'out of order' in order.wrong()
+    assert order.take(4 * STEP, 8 * STEP) and order.wrong() == ''
+    assert order.take(5 * STEP, 10 * STEP) and 'late' in order.wrong()
+    assert order.take(1000 * STEP, 1000 * STEP) and order.take(5 * STEP, 5 * STEP) and order.wrong() == ''
+    assert order.take(0, 6 * STEP) and order.take(0, 7 * STEP) and order.wrong() == ''

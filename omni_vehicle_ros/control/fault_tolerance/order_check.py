@@ -1,0 +1,48 @@
+"""Whether messages of a cyclic topic come once, in order and in time."""
+
+LATE = 4
+"""Cycles by which a message may be late."""
+
+# A stamp that is older by more cycles than this is of another clock, or of one that went back.
+_OTHER_CLOCK = 100
+
+
+class OrderCheck:
+    """Looks at the stamps of one topic.
+
+    Parameters
+    ----------
+    topic
+        Its name.
+    period
+        Time from one cycle to the next [ns].
+    """
+
+    def __init__(self, topic: str, period: int) -> None:
+        self._topic, self._period = topic, period
+        self._last: int | None = None
+        self._wrong = ''
+
+    def take(self, stamp: int, now: int) -> bool:
+        """Return whether a message counts: not if it comes after a later one.
+
+        Parameters
+        ----------
+        stamp
+            Of the message [ns]; 0 is none.
+        now
+            When it came in [ns].
+        """
+        last, longest = self._last, _OTHER_CLOCK * self._period
+        if stamp and last is not None and 0 <= last - stamp <= longest:
+            self._wrong = 'comes twice' if stamp == last else 'comes out of order: the older message is dropped'
+            return stamp == last
+        if stamp and LATE * self._period < now - stamp <= longest:
+            self._wrong = f'comes more than {LATE} cycles late'
+        self._last = stamp or None
+        return True
+
+    def wrong(self) -> str:
+        """Return what has been wrong since the last call; empty if nothing."""
+        wrong, self._wrong = self._wrong, ''
+        return f'{self._topic} {wrong}' if wrong else ''
