@@ -111,3 +111,45 @@ def test_a_clock_that_goes_back_is_waited_for_anew() -> None:
     gate.close()
     gate.open(45)
     assert gate.absent() == 'odom, imu'
+
+
+def test_what_belongs_to_the_cycle_before_is_awaited_from_the_second_cycle_on() -> None:
+    gate = Gate([], ['state'])
+    gate.open(0)
+    assert gate.ready() == 0
+    gate.close()
+    gate.open(5)
+    assert gate.ready() is None and gate.missing() == ('state',)
+    gate.answer('state', 0)
+    assert gate.ready() == 5 and gate.missing() == ()
+    gate.close()
+    gate.answer('state', 5)
+    gate.open(10)
+    assert gate.ready() == 10
+
+
+def test_what_belongs_to_the_cycle_before_can_be_given_up_alone() -> None:
+    gate = Gate(['command'], ['state'])
+    gate.open(0)
+    gate.answer('command', 0)
+    gate.close()
+    gate.open(5)
+    gate.give_up_previous()
+    assert gate.lost == {'state'} and gate.ready() is None
+    gate.answer('command', 5)
+    assert gate.ready() == 5 and gate.missing() == ('state',)
+    gate.close()
+    gate.answer('state', 5)
+    gate.open(10)
+    gate.answer('command', 10)
+    assert gate.ready() == 10 and gate.lost == set()
+
+
+def test_a_clock_that_goes_back_awaits_nothing_of_the_cycle_before() -> None:
+    gate = Gate([], ['state'])
+    for stamp in (100, 105):
+        gate.open(stamp)
+        gate.answer('state', 100)
+        gate.close()
+    gate.open(10)
+    assert gate.ready() == 10
