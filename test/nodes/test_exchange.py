@@ -97,7 +97,7 @@ import json
 import sys
 from collections import Counter
 
-from omni_vehicle_ros.nodes import shell, vehicle
+from omni_vehicle_ros.nodes import managed, vehicle
 
 published = Counter()
 
@@ -119,11 +119,11 @@ class Counted:
         return getattr(self.publisher, name)
 
 
-def publish_on(*arguments, make=shell.publish_on):
+def publish_on(*arguments, make=managed.publish_on):
     return Counted(make(*arguments))
 
 
-shell.publish_on = publish_on
+managed.publish_on = publish_on
 try:
     vehicle.main()
 finally:
