@@ -136,7 +136,8 @@ def test_nothing_is_published_where_nobody_listens(lab: Lab) -> None:
     vehicle, expected = recorded_vehicle(lab, load_scenario(str(lab.scenario())), COUNTING)
     out, _ = finish(vehicle)
     published = json.loads(out.splitlines()[-1])
-    assert published == {'/ready': 9, **{topic: len(expected[topic]) for topic in expected if 'environment' in topic}}
+    latched = {topic: len(expected[topic]) for topic in expected if 'environment' in topic or 'emergency' in topic}
+    assert published == {'/ready': 9, **latched}
     assert contents(lab.path) == expected
 
 
