@@ -55,7 +55,7 @@ class ManagedNode(LifecycleNode):
         self.unserved: tuple[Subscription, ...] = ()
         self.outlets: dict[str, Outlet] = {}
         self._inputs: list[Subscription] = []
-        self._configured = False
+        self._configured = self._starting = False
         self._refused: Exception | None = None
         self._service_change_state.callback = self._answering(self._service_change_state.callback)
 
@@ -98,9 +98,11 @@ class ManagedNode(LifecycleNode):
         Exception
             One of `REFUSALS`: what it refused.
         """
+        self._starting = True
         for transition in (self.trigger_configure, self.trigger_activate):
             if transition() != SUCCESS:
                 raise self._refused or StartError(f'{self.full_name} could not be started')
+        self._starting = False
 
     def build(self) -> None:
         """Make component and ports; called when the node is configured, and again after each clean-up."""
@@ -167,7 +169,8 @@ class ManagedNode(LifecycleNode):
             self.build()
         except REFUSALS as error:
             self._refused = error
-            self.get_logger().error(one_line(error))
+            if not self._starting:  # else whoever starts it says so
+                self.get_logger().error(one_line(error))
             self._close_ports()
             return FAILURE
         self._configured = True

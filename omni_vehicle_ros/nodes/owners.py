@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from rclpy.node import Node
 
+from omni_vehicle_ros.faults import FAULTS
 from omni_vehicle_ros.interface import ANYONE, Topic, resolve
 
 LOOK_PERIOD = 1.0
@@ -25,7 +26,8 @@ class Owners:
     namespace
         Of the vehicle.
     topics
-        Rows of the wiring table; what several nodes may publish, and latched topics that anyone may, don't count.
+        Rows of the wiring table; what several nodes may publish, such as faults, and latched topics that anyone may,
+        don't count.
     """
 
     def __init__(self, node: Node, namespace: str, topics: Sequence[Topic]) -> None:
@@ -36,7 +38,9 @@ class Owners:
             if len(row.publishers) == 1 and ANYONE not in row.publishers
         }
         self._drivers = [
-            resolve(row.name, namespace) for row in topics if ANYONE in row.publishers and not row.qos.latched
+            resolve(row.name, namespace)
+            for row in topics
+            if ANYONE in row.publishers and not row.qos.latched and row.name != FAULTS
         ]
         self._looked = time.monotonic()
         self.strangers = ''
