@@ -120,7 +120,7 @@ def test_topics_without_messages_have_empty_columns(opened):
 
 
 def test_unknown_topics_and_columns_are_named_with_those_there_are(opened):
-    with pytest.raises(BagError, match="no topic 'odometry'; did you mean 'odom'"):
+    with pytest.raises(BagError, match="no topic 'odometry'; did you mean 'odom/truth'"):
         opened['odometry']
     with pytest.raises(AttributeError, match="no column 'speed'; there are stamp, stamp_ns, x, y, heading"):
         _ = opened['odom'].speed

@@ -61,6 +61,7 @@ VALUES = {
     'geometry_msgs/msg/TwistStamped': st.builds(messages.Twist, stamps, *(numbers,) * 3, words),
     'geometry_msgs/msg/WrenchStamped': st.builds(messages.Wrench, stamps, *(numbers,) * 6, words),
     'rosgraph_msgs/msg/Clock': st.builds(messages.Clock, stamps),
+    'std_msgs/msg/Bool': st.builds(messages.Flag, st.booleans()),
     'std_msgs/msg/String': st.builds(messages.Text, words),
     'diagnostic_msgs/msg/DiagnosticArray': st.builds(messages.Diagnostics, stamps, st.tuples(status), words),
 }
