@@ -39,6 +39,7 @@ def value_of(type_name, stamp):
         'geometry_msgs/msg/TwistStamped': messages.Twist(stamp, k, 2.0, 3.0),
         'geometry_msgs/msg/WrenchStamped': messages.Wrench(stamp, k, 2.0, 3.0, 4.0, 5.0, 6.0),
         'rosgraph_msgs/msg/Clock': messages.Clock(stamp),
+        'std_msgs/msg/Bool': messages.Flag(k % 2 == 0),
         'std_msgs/msg/String': messages.Text(f'Grüße {k}'),
         'diagnostic_msgs/msg/DiagnosticArray': messages.Diagnostics(
             stamp,
@@ -135,6 +136,7 @@ MAKERS = {
         h[0], *triple(m['wrench']['force']), *triple(m['wrench']['torque']), h[1]
     ),
     'rosgraph_msgs/msg/Clock': lambda m, h: messages.Clock(nanoseconds(m['clock'])),
+    'std_msgs/msg/Bool': lambda m, h: messages.Flag(m['data']),
     'std_msgs/msg/String': lambda m, h: messages.Text(m['data']),
     'diagnostic_msgs/msg/DiagnosticArray': diagnostics,
 }

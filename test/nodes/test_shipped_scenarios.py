@@ -11,7 +11,11 @@ from .test_modes import contents
 pytestmark = [pytest.mark.graph, pytest.mark.slow]
 
 
-@pytest.mark.parametrize('name', scenario_names())
+# Scenarios of faults begin alike; test_faults has what comes later.
+NAMES = [name for name in scenario_names() if not name.startswith('faults/') or name == 'faults/steering_stuck']
+
+
+@pytest.mark.parametrize('name', NAMES)
 def test_the_first_moments_in_three_modes(lab: Lab, name: str) -> None:
     """A tenth of a second of it, with the values of the file: offline, in one process, and in many."""
     short = 'duration=0.1'
