@@ -33,7 +33,8 @@ SLALOM = {
 
 def slalom(*faults: tuple, **sections: dict) -> Scenario:
     events = [dict(zip(('at', 'component', 'failure', 'value'), fault, strict=False)) for fault in faults]
-    return make_scenario('slalom', {**SLALOM, **sections, 'faults': events})
+    reacting = {name: {'fault_reaction': True, **sections.get(name, {})} for name in ('steering', 'side_slip')}
+    return make_scenario('slalom', {**SLALOM, **sections, **reacting, 'faults': events})
 
 
 def drive(scenario: Scenario) -> list[Output]:
@@ -89,7 +90,7 @@ def test_no_false_alarm_on_ice_in_reverse_at_the_limits_and_with_eight_degrees_o
             {'at': 0.0, 'icr': 'straight', 'speed': 3.0},
             {'at': 1.0, 'icr': [0.0, 3.0], 'speed': 6.0},
             {'at': 2.0, 'icr': [1.0, -0.72], 'speed': -2.0},
-            {'at': 3.0, 'cmd_vel': [0.0, 0.0, 1.5]},
+            {'at': 3.0, 'teleop': [0.0, 0.0, 1.5]},
         ],
     })  # fmt: skip
     assert alarms(drive(scenario)) == []
