@@ -1,7 +1,7 @@
 """Decides when a component may act: when all that belongs to the cycle has come in."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 
 class Gate:
@@ -89,6 +89,10 @@ class Gate:
             if self._heard[topic] < count:
                 return None
         return self._open
+
+    def awaits_only(self, sources: Collection[str]) -> bool:
+        """Whether the open cycle lacks answers of these and of no other sources."""
+        return self._open is not None and bool(self._awaited) and self._awaited.issubset(sources)
 
     @property
     def waiting(self) -> bool:

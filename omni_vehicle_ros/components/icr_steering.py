@@ -19,8 +19,8 @@ from omni_vehicle_ros.wheels import WHEELS, per_wheel
 STATES = tuple(f'{wheel}/state' for wheel in WHEELS)
 TRIMS = tuple(f'{wheel}/trim' for wheel in WHEELS)
 
-QUIET = 10
-"""Cycles in a row without a state after which a module counts as silent."""
+SILENCE = 0.1
+"""After which a module counts as silent where it has no ``module_timeout`` [s]."""
 
 START_UP = 2 * NANOSECONDS
 """Simulated time that the first state of a module may take [ns]."""
@@ -70,15 +70,18 @@ class IcrSteering:
         self._joints = self._latest = VehicleJoints()
         self._lacking = False
         self._setpoints = Setpoints(ZEROS, ZEROS, ZEROS, STILL)
-        self._quiet: dict[str, int] = {}
+        self._said: dict[str, int] = {}
         self._trims: dict[str, Trim] = {}
         self._begun: int | None = None
+        self._watched = 0
+        # Without a time-out the modules wait for ever; ICR steering does not wait for them.
+        self._silence = round((module.module_timeout or SILENCE) * NANOSECONDS)
         self._reporter = Reporter(name)
 
     def receive(self, topic: str, value: Value, now: int) -> None:
         """Take the measured joints, what the modules were and are about to do, or a driver command."""
         if isinstance(value, Joints):
-            self._take_joints(topic, value)
+            self._take_joints(topic, value, now)
         elif isinstance(value, Point):
             self._law.icr(value, now)
         elif isinstance(value, Wrench):
@@ -88,9 +91,9 @@ class IcrSteering:
         elif isinstance(value, Flag):
             self._law.emergency_stop(value.data)
 
-    def _take_joints(self, topic: str, value: Joints) -> None:
+    def _take_joints(self, topic: str, value: Joints, now: int) -> None:
         if topic in STATES:
-            self._quiet[topic] = 0
+            self._said[topic] = max(self._said.get(topic, 0), min(value.stamp or now, now))
         elif topic in TRIMS:
             if len(value.position) == len(value.effort) == 2 and math.isfinite(value.position[0] + value.effort[1]):
                 self._trims[topic] = Trim(value.stamp, value.position[0], value.effort[1])
@@ -133,15 +136,17 @@ class IcrSteering:
         """Return what is wrong with the modules."""
         if self._begun is None or stamp < self._begun:
             self._begun = stamp
-            self._quiet.clear()
+            self._said.clear()
+        elif stamp - self._watched > self._silence:  # nobody could answer to cycles that were not
+            self._said = dict.fromkeys(self._said, stamp)
+        self._watched = stamp
         late, joints = stamp - self._begun >= START_UP, self._joints
 
         def heard(i: int) -> Heard:
-            quiet, trim = self._quiet.get(STATES[i]), self._trims.pop(TRIMS[i], None)
-            if quiet is None:
+            said, trim = self._said.get(STATES[i]), self._trims.pop(TRIMS[i], None)
+            if said is None:
                 return Heard(begun=False, silent=late)
-            self._quiet[STATES[i]] = quiet + 1
-            return Heard(begun=True, silent=quiet >= QUIET, trim=trim)
+            return Heard(begun=True, silent=stamp - said > self._silence, age=stamp - said, trim=trim)
 
         measured = Measured(joints.steer_angle, joints.wheel_speed, joints.torque)
         return self._monitor.update(stamp, measured, per_wheel(heard))

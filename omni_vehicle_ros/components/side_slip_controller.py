@@ -17,8 +17,8 @@ from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 
 _NO_NUMBER = float('nan')
 
-QUIET = 5
-"""Cycles in a row without a message after which a sensor says nothing."""
+SILENCE = 0.1
+"""Time without a message after which a sensor says nothing [s]."""
 
 
 class SideSlipController:
@@ -49,7 +49,7 @@ class SideSlipController:
         self._seen = Seen(Sensed(), 0.0, (0.0, 0.0), NO_WHEEL)
         self._fresh: dict[str, Any] = {}
         self._beside: dict[str, Any] = {}
-        self._quiet = dict.fromkeys(SENSORS, 0)
+        self._quiet = dict.fromkeys(SENSORS, 0.0)
         self._measured = Measurement(NO_WHEEL, NO_WHEEL, NO_WHEEL)
         self._cycles = Cycles()
         self._trims = Trims()
@@ -85,7 +85,7 @@ class SideSlipController:
         elif isinstance(value, Joints):
             fresh['side_slip'] = _by_wheel(value.names, value.position)
             fresh['wheel_speed'] = _by_wheel(value.names, value.velocity)
-        self._quiet[topic] = 0
+        self._quiet[topic] = 0.0
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the trims that belong to ``stamp`` [ns]."""
@@ -104,8 +104,8 @@ class SideSlipController:
         dt = self._cycles.next(stamp)
         if dt is None:
             return self._trims
-        self._quiet = {topic: cycles + 1 for topic, cycles in self._quiet.items()}
-        silent = [topic for topic, cycles in self._quiet.items() if cycles > QUIET]
+        silent = [topic for topic, quiet in self._quiet.items() if quiet > SILENCE]
+        self._quiet = {topic: quiet + dt for topic, quiet in self._quiet.items()}
         blind = self._joint_check.update(stamp, None if self._blind else self._measured)
         sensed = self._monitor.update(self._seen, silent, blind=blind)
         if self._reacts:

@@ -40,6 +40,19 @@ class Inlet(NamedTuple):
     hear: Callable[[bytes], None]
     take: Callable[[Value], None] | None = None
 
+    def fetch(self, begin: Callable[[int], None] = lambda received: None) -> None:
+        """Take the messages that wait in the middleware.
+
+        Parameters
+        ----------
+        begin
+            Called before each with the time at which the middleware received it [ns since 1970; 0 if not known].
+        """
+        take_message, kind = self.subscription.handle.take_message, self.subscription.msg_type
+        while (found := take_message(kind, True)) is not None:
+            begin(found[1]['received_timestamp'] or 0)
+            self.hear(found[0])
+
 
 class Outlet:
     """What is said by one publisher, over DDS or to the nodes of this process only.
@@ -101,9 +114,8 @@ class Outlet:
         if self._local:
             self._of_values = [inlet.take for inlet in self._inlets if inlet.take is not None]
             self._of_bytes = [inlet.hear for inlet in self._inlets if inlet.take is None]
-            for subscription, hear, _ in self._inlets:
-                while (found := subscription.handle.take_message(subscription.msg_type, True)) is not None:
-                    hear(found[0])
+            for inlet in self._inlets:
+                inlet.fetch()
 
 
 class Exchange:

@@ -40,7 +40,7 @@ class IcrSteeringNode(Shell):
         trim_limit = declare(self, SideSlipParameters, only=('trim_limit',)).trim_limit
         component = IcrSteering(vehicle, steering, module, period, trim_limit, name=self.full_name)
         trims = TRIMS if interface.SIDE_SLIP_CONTROLLER in self.pacing.participants else ()
-        self.attach(component, previous=(*STATES, *trims))
+        self.attach(component, previous=(*STATES, *trims), fetched=(*STATES, *TRIMS))
 
 
 def main() -> None:

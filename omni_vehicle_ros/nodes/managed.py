@@ -126,7 +126,7 @@ class ManagedNode(LifecycleNode):
     def subscribe(
         self, row: interface.Topic, hear: Callable[[bytes], None], take: Callable[[Value], None] | None = None, *,
         depth: int | None = None, latched: bool = False, reliable: bool = True, always: bool = False,
-    ) -> Subscription:
+    ) -> Inlet:
         """Take the messages of a topic as long as the node is active.
 
         Parameters
@@ -155,8 +155,9 @@ class ManagedNode(LifecycleNode):
             self, row, self.vehicle_namespace, heard, depth=depth, latched=latched, reliable=reliable
         )
         self._inputs.append(subscription)
-        self.exchange.add_inlet(Inlet(subscription, heard, None if take is None else taken))
-        return subscription
+        inlet = Inlet(subscription, heard, None if take is None else taken)
+        self.exchange.add_inlet(inlet)
+        return inlet
 
     def say(self, topic: str, value: Value | Text) -> None:
         """Publish one message."""

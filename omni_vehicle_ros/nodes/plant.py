@@ -58,7 +58,8 @@ class PlantNode(Shell):
         self._looked = 0.0
         self._recorded, self._window = 0, RECORDER_WINDOW * self._plant.period
         self._recorder_lost = interface.RECORDER not in self.pacing.participants
-        self.attach(self._plant)
+        # In real time it moves by the clock, and not when states come.
+        self.attach(self._plant, fetched=() if self.lockstep else self._plant.sources)
         self.subscribe(interface.topic('ready'), self._note_ready, latched=True, always=True)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -84,10 +85,14 @@ class PlantNode(Shell):
             self._recorder_lost = False
             self.act()
             return
+        super().take(topic, value)
+
+    def note(self, topic: str, value: Value) -> None:
+        """Note a message, and when it came."""
         if not self.lockstep and topic in self._states:
             self._came[topic] = max(self._came[topic], min(value.stamp, self.now))
-            self._punctuality.answer(topic, value.stamp, time.monotonic())
-        super().take(topic, value)
+            self._punctuality.answer(topic, value.stamp, time.monotonic() - self.age)
+        super().note(topic, value)
 
     def act(self) -> None:
         """In lock step, move as soon as the cycle is complete and the recorder is not far behind."""
@@ -153,6 +158,7 @@ class PlantNode(Shell):
 
     def _move(self) -> None:
         """Take the latest from every module, unless it is too old; catch up with at most one late cycle."""
+        self.fetch()
         self.gate.close()
         blocked = self.hand_over()
         self._states.update((topic, stamp) for topic, stamp in self._came.items() if topic not in blocked)

@@ -1,6 +1,7 @@
 """One process: signals, an executor with finite waits, and an end without traces."""
 
 import gc
+import math
 import os
 import signal
 import sys
@@ -157,6 +158,7 @@ def serve(executor: Executor, exchange: Exchange, nodes: Sequence[Served], stop:
                 look_due = now + LOOK_PERIOD
             if stop.orphaned() or any(node.finished for node in nodes):
                 return
-            due = now + min(node.wait() for node in nodes)
+            due = math.inf
+        due = min(due, now + min(node.wait() for node in nodes))
         exchange.deliver(due)
         taking.take(0.0 if exchange.waits else max(due - time.monotonic(), 0.0))

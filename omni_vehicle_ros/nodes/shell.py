@@ -12,7 +12,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 
 from omni_vehicle_ros import interface
-from omni_vehicle_ros.components.component import Component, Output
+from omni_vehicle_ros.components.component import NANOSECONDS, Component, Output
 from omni_vehicle_ros.components.gate import Gate
 from omni_vehicle_ros.components.inbox import Inbox
 from omni_vehicle_ros.control.health import OK, WARN
@@ -22,7 +22,7 @@ from omni_vehicle_ros.faults import OK as UNHARMED
 from omni_vehicle_ros.messages import Diagnostics, Status, Step, Text, Value, decode
 from omni_vehicle_ros.nodes.declare import declare, why_fixed
 from omni_vehicle_ros.nodes.earlier import Earlier
-from omni_vehicle_ros.nodes.exchange import Exchange
+from omni_vehicle_ros.nodes.exchange import Exchange, Inlet
 from omni_vehicle_ros.nodes.failing_process import end_or_freeze
 from omni_vehicle_ros.nodes.fault_parameters import FaultParameters
 from omni_vehicle_ros.nodes.handshake import Handshake
@@ -50,14 +50,19 @@ class Shell(ManagedNode):
     ----------
     alone
         Whether no other node lives in this process.
+    age
+        How long ago the message at hand came in [s].
     """
 
     def __init__(self, role: str, *, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(role, context=context, exchange=exchange, namespace=namespace)
         self.finished = False
         self.alone = True
+        self.age = 0.0
         self._sources: tuple[str, ...] = ()
         self._previous: tuple[str, ...] = ()
+        self._fetched: dict[str, Inlet] = {}
+        self._noted: set[str] = set()
         self._warned: dict[str, float] = {}
         self.pacing = declare(self, PacingParameters)
         self.lockstep = self.pacing.pacing == 'lockstep'
@@ -91,13 +96,24 @@ class Shell(ManagedNode):
                 '/etc/security/limits.conf), or set it to 0'
             )
 
-    def attach(self, component: Component, previous: tuple[str, ...] = ()) -> None:
+    def attach(
+        self, component: Component, *, previous: tuple[str, ...] = (), fetched: tuple[str, ...] = ()
+    ) -> None:
         """Make the ports of a component and begin to serve it.
 
-        In lock step it waits for answers of the cycle before on ``previous``, too.
+        Parameters
+        ----------
+        component
+            Who acts.
+        previous
+            Topics on which it waits for answers of the cycle before, too, in lock step.
+        fetched
+            Topics whose messages come before others of the same cycle: they are fetched with these. To be woken for
+            a message costs more than to take it.
         """
         self.component, self._sources = component, component.sources
         self._previous = previous if self.lockstep else ()
+        self._fetched = {}
         self._inbox = Inbox(self.role, component, fault_injection=self.pacing.fault_injection)
         if self._fault_parameters is None:
             self._fault_parameters = FaultParameters(self, self.role, self.pacing.fault_injection, self.inject)
@@ -112,8 +128,12 @@ class Shell(ManagedNode):
                     self.subscribe(row, earlier.hear, always=True)
                     self.subscribe(row, earlier.hear_earlier, depth=1, latched=True, always=True)
                     continue
-                hear = self._decoder(row, self.take)
-                self.subscribe(row, hear, partial(self.take, row.name), reliable=reliable)
+                depth = None if reliable or row.name != component.beat else 1  # an older beat is out of date, too
+                hear = self._decoder(row, self.note if row.name in fetched else self.take)
+                inlet = self.subscribe(row, hear, partial(self.take, row.name), reliable=reliable, depth=depth)
+                if row.name in fetched:
+                    self._fetched[row.name] = inlet
+        self.unserved += tuple(inlet.subscription for inlet in self._fetched.values())
 
     def connect(self) -> None:
         """Make the publishers of this node."""
@@ -163,7 +183,13 @@ class Shell(ManagedNode):
 
     def take(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to, and act when that is complete."""
+        self.note(topic, value)
+        self.act()
+
+    def note(self, topic: str, value: Value) -> None:
+        """Keep a message for the cycle that it belongs to."""
         self._keep(topic, value)
+        self._noted.add(topic)
         if topic == self.component.beat:
             if self.lockstep and self.gate.waiting:
                 self.warn(f'cycle skipped at {value.stamp / 1e9:.3f} s: no answer from {self.gate.absent()}')
@@ -175,7 +201,16 @@ class Shell(ManagedNode):
         else:
             self.gate.hear(topic)
             self.gate.answer(topic, value.stamp if value.stamp < self.now + FUTURE else self.now)
-        self.act()
+
+    def fetch(self) -> None:
+        """Note the messages that wait in the middleware."""
+        for topic, inlet in self._fetched.items():
+            if topic not in self._noted:
+                inlet.fetch(self._note_age)
+        self.age = 0.0
+
+    def _note_age(self, received: int) -> None:
+        self.age = max((time.time_ns() - received) / NANOSECONDS, 0.0) if received else 0.0
 
     def _heed(self, topic: str, value: Value) -> None:
         """Take what must not be missed by a node that is not active yet."""
@@ -186,8 +221,12 @@ class Shell(ManagedNode):
 
     def act(self) -> None:
         """Let the component act if its cycle is complete."""
+        if self._fetched and self.gate.waiting:
+            self.fetch()
         stamp = self.gate.ready()
         if stamp is None or not self._connected():
+            if self._impatient():
+                self.exchange.wake()
             return
         missing = self.gate.missing()
         self.gate.close()
@@ -216,6 +255,7 @@ class Shell(ManagedNode):
 
     def hand_over(self) -> tuple[str, ...]:
         """Hand the messages that wait to the component; return the topics of which faults let nothing through."""
+        self._noted.clear()
         blocked = self._inbox.hand_over(self.now)
         if self._inbox.refused:
             if self.role == interface.PLANT:
@@ -263,6 +303,8 @@ class Shell(ManagedNode):
             self.publish(self._late.popleft()[1])
         if self._owners.look():
             self._say_strangers(self._owners.strangers)
+        if self._impatient():
+            self.act()
         if not (self.lockstep and self.gate.waiting):
             return
         waited, limit = time.monotonic() - self._opened, self.pacing.wait_limit
@@ -285,7 +327,11 @@ class Shell(ManagedNode):
 
     def wait(self) -> float:
         """Return for how long there is nothing to do but to take messages [s]."""
-        return 0.001 if self._late else 0.05
+        return 0.001 if self._late or self._impatient() else 0.05
+
+    def _impatient(self) -> bool:
+        """Return whether nothing is awaited but what has been said already, and is to be fetched."""
+        return self.lockstep and self.active and self.gate.awaits_only(self._fetched)
 
     def warn(self, message: str) -> None:
         """Log a warning, the same one at most every few seconds."""

@@ -56,7 +56,8 @@ class SideSlipControllerNode(Shell):
             component.configure(changed)
 
         self._end_changes = on_change(self, parameters, configure)
-        self.attach(component)
+        # The plant says them before tyres/side_slip.
+        self.attach(component, fetched=('odom', 'imu'))
 
     def finish(self) -> None:
         """Let parameters change no component that is gone."""

@@ -66,7 +66,7 @@ class VehicleRecording:
 
     def _subscribe(self, row: interface.Topic) -> None:
         take = self._taker(row)
-        subscription = self._node.subscribe(row, take, depth=DEPTH)
+        subscription = self._node.subscribe(row, take, depth=DEPTH).subscription
         if row.cyclic and row.name != BEAT:
             self._node.unserved += (subscription,)
             self._waiting.append((subscription.handle.take_message, subscription.msg_type, take))

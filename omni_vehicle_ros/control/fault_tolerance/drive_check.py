@@ -25,17 +25,24 @@ _NO_TORQUE = 1.0
 class DriveCheck:
     """Compares the torque of one drive with what it should have made, and its speed with that of the vehicle.
 
-    The torque is right if it is within `TORQUE_TOLERANCE` of what was expected in one of the last `LATENESS` cycles
+    Parameters
+    ----------
+    late
+        Cycles by which it may act late.
+
+    Notes
+    -----
+    The torque is right if it is within `TORQUE_TOLERANCE` of what was expected in one of the last ``late`` cycles
     or between two of them.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, late: int = LATENESS) -> None:
         self.fault = DriveFault.NONE
         self.at = 0.0
         """Torque at which the fault was named [N m]."""
         self._debounce = Debounce(SEEN_AFTER, LIFTED_AFTER)
         self._locked = Debounce(LOCKED_AFTER, LIFTED_AFTER)
-        self._expected: deque[float] = deque(maxlen=LATENESS + 1)
+        self._expected: deque[float] = deque(maxlen=late + 1)
         self._measured: deque[float] = deque(maxlen=SEEN_AFTER)
 
     def update(self, measured: float, expected: float, speed: float, over_ground: float) -> DriveFault:

@@ -1,12 +1,13 @@
 """Watches the four wheel modules: what they do against what sound ones would."""
 
 import math
+from functools import partial
 from typing import NamedTuple
 
 from omni_vehicle_ros.control.fault_tolerance.actuator_twin import ActuatorTwin
 from omni_vehicle_ros.control.fault_tolerance.condition import SOUND, Condition, DriveFault, SteerFault, WheelCondition
 from omni_vehicle_ros.control.fault_tolerance.drive_check import TORQUE_TOLERANCE, DriveCheck
-from omni_vehicle_ros.control.fault_tolerance.steering_check import ANGLE_TOLERANCE, SteeringCheck
+from omni_vehicle_ros.control.fault_tolerance.steering_check import ANGLE_TOLERANCE, SteeringCheck, lateness
 from omni_vehicle_ros.control.freshness import NANOSECONDS
 from omni_vehicle_ros.control.health import ERROR, Note
 from omni_vehicle_ros.control.motion import motion_of_twist
@@ -24,6 +25,8 @@ _SLOW = 0.1
 # their drives pull already [cycles].
 _LONGEST_GAP = 20
 _SETTLING = 100
+
+_SOUND = SOUND.wheels[0]
 
 # Time over which trims are averaged: far slower than side-slip control [s].
 _TRIM_TIME = 1.0
@@ -46,12 +49,15 @@ class Heard(NamedTuple):
         Whether the module has ever said anything.
     silent
         Whether it says nothing though it should.
+    age
+        Age of what it has said last [ns].
     trim
         The trim that came in, if any.
     """
 
     begun: bool
     silent: bool = False
+    age: int = 0
     trim: Trim | None = None
 
 
@@ -101,21 +107,13 @@ class ModuleMonitor:
         told, self._now = self._told, stamp
         if told is None or not all(map(math.isfinite, (*measured.steer_angle, *measured.wheel_speed))):
             return self._condition
-        radius = self._vehicle.wheel_radius
-        speeds = per_wheel(lambda i: radius * measured.wheel_speed[i])
-        ground = self._over_ground(told.twist, measured.steer_angle, speeds)
+        watched, angles, torque = self._wheels, measured.steer_angle, measured.torque
+        ground = _Ground(self._vehicle, told.twist, measured)
         wheels = per_wheel(
-            lambda i: self._wheels[i].update(
-                stamp, told.wheels[i], heard[i],
-                _Seen(measured.steer_angle[i], measured.torque[i], speeds[i], *ground[i]),
-            )
-        )  # fmt: skip
-        self._condition = Condition(
-            wheels,
-            measured.torque,
-            per_wheel(lambda i: self._wheels[i].trim),
-            per_wheel(lambda i: self._wheels[i].offset),
+            lambda i: watched[i].update(stamp, told.wheels[i], heard[i], _Seen(i, angles[i], torque[i], ground))
         )
+        trims, offsets = per_wheel(lambda i: watched[i].trim), per_wheel(lambda i: watched[i].offset)
+        self._condition = Condition(wheels, torque, trims, offsets)
         return self._condition
 
     @property
@@ -127,23 +125,6 @@ class ModuleMonitor:
             for text in wheel.says(now)
         ]
 
-    def _over_ground(self, told: Twist, angles: PerWheel, speeds: PerWheel) -> tuple[tuple[float, float | None], ...]:
-        """Return of each wheel how fast its place moves along its heading and in which direction, if it does."""
-        guess = motion_of_twist(*told, 0.5 * self._vehicle.wheelbase)
-        if guess is None:
-            return ((0.0, None),) * 4
-        fastest = max(map(abs, speeds))
-
-        def seen(i: int) -> tuple[float, float | None]:
-            stands = abs(speeds[i]) < _SLOW * fastest
-            weights = per_wheel(lambda j: float(not (stands and j == i)))
-            twist = whole if not stands else measured_twist(speeds, angles, guess[0], self._vehicle, weights)
-            ahead, left = wheel_velocities(twist, self._vehicle)[i]
-            along = ahead * math.cos(angles[i]) + left * math.sin(angles[i])
-            return along, math.atan2(left, ahead) if math.hypot(ahead, left) > _SLOWEST else None
-
-        whole = measured_twist(speeds, angles, guess[0], self._vehicle)
-        return per_wheel(seen)
 
 
 class PerWheelSetpoints(NamedTuple):
@@ -153,14 +134,46 @@ class PerWheelSetpoints(NamedTuple):
     wheels: tuple[Setpoint, Setpoint, Setpoint, Setpoint]
 
 
-class _Seen(NamedTuple):
-    """What is seen of one wheel; see `DriveCheck.update` and `SteeringCheck.update`."""
+class _Ground:
+    """How the places of the wheels move over ground, as all wheels tell it; worked out only where it matters."""
 
+    def __init__(self, vehicle: VehicleParameters, told: Twist, measured: Measured) -> None:
+        self._vehicle, self._told, self._angles = vehicle, told, measured.steer_angle
+        radius, rates = vehicle.wheel_radius, measured.wheel_speed
+        self.speed: PerWheel = (radius * rates[0], radius * rates[1], radius * rates[2], radius * rates[3])
+        self._slow = _SLOW * max(map(abs, self.speed))
+
+    def along(self, wheel: int) -> float:
+        """Return how fast a wheel moves along its heading [m/s]."""
+        if not self._stands(wheel):
+            return self.speed[wheel]
+        ahead, left = self._velocity(wheel)
+        return ahead * math.cos(self._angles[wheel]) + left * math.sin(self._angles[wheel])
+
+    def direction(self, wheel: int) -> float | None:
+        """Return in which direction a wheel moves [rad]; None if it hardly moves."""
+        ahead, left = self._velocity(wheel)
+        return math.atan2(left, ahead) if math.hypot(ahead, left) > _SLOWEST else None
+
+    def _stands(self, wheel: int) -> bool:
+        return abs(self.speed[wheel]) < self._slow
+
+    def _velocity(self, wheel: int) -> tuple[float, float]:
+        guess = motion_of_twist(*self._told, 0.5 * self._vehicle.wheelbase)
+        if guess is None:
+            return 0.0, 0.0
+        weights = per_wheel(lambda i: float(i != wheel or not self._stands(i)))
+        twist = measured_twist(self.speed, self._angles, guess[0], self._vehicle, weights)
+        return wheel_velocities(twist, self._vehicle)[wheel]
+
+
+class _Seen(NamedTuple):
+    """What is seen of one wheel: its number, steer angle [rad], drive torque [N m], and how all move."""
+
+    wheel: int
     angle: float
     torque: float
-    speed: float
-    over_ground: float
-    direction: float | None
+    ground: _Ground
 
 
 class _WheelMonitor:
@@ -168,7 +181,9 @@ class _WheelMonitor:
 
     def __init__(self, module: WheelModuleParameters, control_period: float, trim_limit: float) -> None:
         self._module, self._period, self._trim_limit = module, control_period, trim_limit
+        self._lateness = lateness(control_period)
         self._step = round(control_period * NANOSECONDS)
+        self._late = self._lateness * self._step
         self._gain = 1.0 - math.exp(-control_period / _TRIM_TIME)
         self._before = 0.0
         self._last_trim = self.trim = 0.0
@@ -177,7 +192,7 @@ class _WheelMonitor:
     def _begin(self) -> None:
         self._twin: ActuatorTwin | None = None
         self._settling = 0
-        self._steering, self._drive = SteeringCheck(), DriveCheck()
+        self._steering, self._drive = SteeringCheck(self._lateness), DriveCheck(self._lateness)
 
     def update(self, now: int, told: Setpoint, heard: Heard, seen: _Seen) -> WheelCondition:
         before, self._before = self._before, seen.angle
@@ -196,10 +211,12 @@ class _WheelMonitor:
         if self._settling:
             self._settling -= 1
             return WheelCondition()
-        return WheelCondition(
-            self._steering.update(seen.angle, expected.steer_angle, seen.direction),
-            self._drive.update(seen.torque, expected.torque, seen.speed, seen.over_ground),
-        )
+        if heard.age > self._late:
+            return WheelCondition(self._steering.fault, self._drive.fault)
+        ground, wheel = seen.ground, seen.wheel
+        steer = self._steering.update(seen.angle, expected.steer_angle, partial(ground.direction, wheel))
+        drive = self._drive.update(seen.torque, expected.torque, ground.speed[wheel], ground.along(wheel))
+        return _SOUND if steer is SteerFault.NONE and drive is DriveFault.NONE else WheelCondition(steer, drive)
 
     @property
     def offset(self) -> float:

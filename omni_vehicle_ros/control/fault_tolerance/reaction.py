@@ -64,6 +64,8 @@ class Reaction:
             Measured [rad], [m/s].
         """
         self._condition, self._wanted, self.notes = condition, demand.motion, []
+        if condition.sound and not self._why:
+            return demand
         # Where side-slip control turns the wheels, the ICR is not where the set-points have it: the line is theirs.
         self._angles = per_wheel(lambda i: angles[i] - condition.trim[i])
         self._judge(demand, max(map(abs, speeds)))
@@ -86,9 +88,9 @@ class Reaction:
         reference
             The set-points before [rad].
         """
-        held = per_wheel(lambda i: self._condition.wheels[i].holds_icr)
-        if not any(held):
+        if self._condition.sound:
             return steering
+        held = per_wheel(lambda i: self._condition.wheels[i].holds_icr)
         angles = self._angles
         told = reference if self._wanted is None else steer(
             self._wanted, reference, self._vehicle, self._steering
@@ -105,6 +107,8 @@ class Reaction:
 
     def told(self, angles: PerWheel) -> PerWheel:
         """Return what to tell the wheels so that they have these steer angles [rad]."""
+        if self._condition.sound:
+            return angles
         return per_wheel(lambda i: angles[i] - self._condition.offset[i])
 
     def drive(self, forces: PerWheel, unit_speeds: PerWheel) -> PerWheel:
@@ -117,6 +121,8 @@ class Reaction:
         unit_speeds
             Wheel speeds per magnitude of the motion.
         """
+        if self._condition.sound:
+            return forces
         failed = per_wheel(lambda i: self._condition.wheels[i].pulls_otherwise)
         if not any(failed):
             return forces

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter, deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from omni_vehicle_ros.control.fault_tolerance.condition import SteerFault
 from omni_vehicle_ros.control.fault_tolerance.debounce import Debounce
@@ -11,7 +11,10 @@ ANGLE_TOLERANCE = 0.03
 """Error of a steer angle that is no fault [rad]."""
 
 LATENESS = 4
-"""Cycles by which a module may act late, as it does in real time."""
+"""Cycles by which a module may act late, as it does in real time, and ..."""
+
+LATE = 0.02
+"""... time by which it may, be the cycles ever so short [s]."""
 
 SEEN_AFTER = 5
 """Cycles in a row beyond the tolerance that make a fault."""
@@ -37,29 +40,47 @@ _SWINGING = 0.1
 _LITTLE = 0.3
 
 
+def lateness(control_period: float) -> int:
+    """Return by how many cycles a module may act late.
+
+    Parameters
+    ----------
+    control_period
+        Time from one cycle to the next [s].
+    """
+    return max(LATENESS, math.ceil(LATE / control_period))
+
+
 class SteeringCheck:
     """Compares the steer angle of one wheel with what its actuator should have made of its set-points.
 
-    The angle is right if it is within `ANGLE_TOLERANCE` of what was expected in one of the last `LATENESS` cycles
+    Parameters
+    ----------
+    late
+        Cycles by which it may act late.
+
+    Notes
+    -----
+    The angle is right if it is within `ANGLE_TOLERANCE` of what was expected in one of the last ``late`` cycles
     or between two of them. How it fails is told by what moves, the wheel or what is expected of it, in most of the
     latest cycles in which it was wrong, after some in which it settles.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, late: int = LATENESS) -> None:
         self.fault = SteerFault.NONE
         self.at = 0.0
         """Steer angle at which the fault was named [rad]."""
         self.offset = 0.0
         """Constant error of an `SteerFault.OFFSET`, else 0 [rad]."""
         self._debounce = Debounce(SEEN_AFTER, LIFTED_AFTER)
-        self._expected: deque[float] = deque(maxlen=LATENESS + 1)
+        self._expected: deque[float] = deque(maxlen=late + 1)
         self._errors: deque[float] = deque(maxlen=_WINDOW)
         self._seen: deque[tuple[float, float]] = deque(maxlen=_WINDOW)
         self._votes: deque[SteerFault] = deque(maxlen=_JURY)
         self._right = 0.0
         self._age = 0
 
-    def update(self, measured: float, expected: float, direction: float | None) -> SteerFault:
+    def update(self, measured: float, expected: float, direction: Callable[[], float | None]) -> SteerFault:
         """Take one cycle and return what is wrong.
 
         Parameters
@@ -67,7 +88,7 @@ class SteeringCheck:
         measured, expected
             Steer angle [rad].
         direction
-            In which the wheel moves over ground [rad]; None if it hardly moves.
+            Returns in which one the wheel moves over ground [rad]; None if it hardly moves.
         """
         self._expected.append(expected)
         self._errors.append(measured - expected)
@@ -81,13 +102,12 @@ class SteeringCheck:
         if wrong:
             self._age += 1
             if self._age > _SETTLING:
-                self._votes.append(self._kind(measured, expected, direction))
+                self._votes.append(self._kind(measured, expected, direction()))
         if not self._debounce.update(wrong):
             self.fault = SteerFault.NONE
         elif wrong:
             self._name(measured)
-        mean = sum(self._errors) / len(self._errors)
-        self.offset = mean if self.fault is SteerFault.OFFSET else 0.0
+        self.offset = sum(self._errors) / len(self._errors) if self.fault is SteerFault.OFFSET else 0.0
         return self.fault
 
     def _name(self, measured: float) -> None:

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from functools import partial
 
 import pytest
 
@@ -40,7 +41,7 @@ def steering_kinds(measured, directions=None):
     check, found = SteeringCheck(), []
     for cycle, expected in enumerate(actuator()):
         direction = directions[cycle] if directions else None
-        found.append(check.update(measured[cycle], expected, direction))
+        found.append(check.update(measured[cycle], expected, partial(lambda value: value, direction)))
     return found
 
 
@@ -74,7 +75,7 @@ def test_a_stuck_wheel_is_seen_five_cycles_after_it_is_off():
 def test_a_constant_offset_is_named_and_measured():
     check, sound = SteeringCheck(), actuator()
     for cycle, expected in enumerate(sound):
-        check.update(expected + (0.1 if cycle >= 300 else 0.0), expected, None)
+        check.update(expected + (0.1 if cycle >= 300 else 0.0), expected, lambda: None)
     assert check.fault is SteerFault.OFFSET
     assert check.offset == pytest.approx(0.1, abs=1e-9)
 
