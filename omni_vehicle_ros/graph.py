@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from omni_vehicle_ros.cores import Core
 from omni_vehicle_ros.ending import ENDING
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.faults import PROCESSES
@@ -73,6 +74,7 @@ class Graph:
         self._weighed = 0.0
         self._weighs = pacing == 'realtime'
         self._moving = DRIVER not in participants
+        self._takes_turns, self._core = pacing == 'lockstep' and not one_process, Core()
         self._directory, self._participants = directory, participants
         self._one_process, self._namespace = one_process, namespace.strip('/')
         self._parameters = directory / 'parameters.yaml'
@@ -107,6 +109,8 @@ class Graph:
 
     def start(self) -> None:
         """Start all nodes."""
+        if self._takes_turns:
+            self._core.claim()
         if self._one_process:
             options = ['--namespace', self._namespace, '--nodes', *self._participants]
             self._spawn('vehicle', 'vehicle', options, '')
@@ -118,7 +122,9 @@ class Graph:
     def _spawn(self, role: str, executable: str, options: list[str], namespace: str) -> None:
         remap = ['-r', f'__ns:={namespace}'] if namespace else []
         options = [*options, '--ros-args', '--params-file', str(self._parameters), *remap]
-        self.processes.spawn(role, f'nodes.{executable}', options)
+        # The recorder works beside those who take turns.
+        core = None if role == RECORDER else self._core.number
+        self.processes.spawn(role, f'nodes.{executable}', options, core)
 
     def _watch(self, progress: Callable[[float], None]) -> None:
         last = RECORDER if not self._one_process else 'vehicle'
@@ -158,6 +164,7 @@ class Graph:
     def stop(self) -> None:
         """Ask all to end, the recorder last."""
         self._read(self.processes.stop(last=RECORDER), lambda time: None)
+        self._core.let_go()
         if self.real_time:
             self.real_time.update(self._load)
 

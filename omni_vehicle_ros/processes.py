@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import IO
 
+from omni_vehicle_ros.cores import CORE
 from omni_vehicle_ros.ending import PARENT, hold_signals, release_signals
 from omni_vehicle_ros.scenarios import scenario_directory
 
@@ -38,10 +39,10 @@ class Processes:
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._selector = selectors.DefaultSelector()
 
-    def spawn(self, role: str, module: str, arguments: list[str]) -> None:
+    def spawn(self, role: str, module: str, arguments: list[str], core: int | None = None) -> None:
         """Start the ``main`` of a module, in a session of its own: a Ctrl-C in the terminal is for us to pass on.
 
-        It inherits held signals, and lets them through when it can handle them.
+        It inherits held signals, and lets them through when it can handle them. In lock step it stays on ``core``.
         """
         hold_signals()
         try:
@@ -51,7 +52,7 @@ class Processes:
                     stdin=subprocess.DEVNULL,
                     stdout=subprocess.PIPE,
                     stderr=log,
-                    env=node_environment(),
+                    env=node_environment(core),
                     start_new_session=True,
                 )
             self._processes[role] = process
@@ -136,9 +137,10 @@ def _read(number: int, name: str) -> str:
         return ''
 
 
-def node_environment() -> dict[str, str]:
-    """Return the environment of a node that ends with this process."""
-    return {**network_environment(), PARENT: str(os.getpid())}
+def node_environment(core: int | None = None) -> dict[str, str]:
+    """Return the environment of a node that ends with this process, and that may have a core to stay on."""
+    place = {} if core is None else {CORE: str(core)}
+    return {**network_environment(), PARENT: str(os.getpid()), **place}
 
 
 def network_environment() -> dict[str, str]:

@@ -125,9 +125,12 @@ class Exchange:
     ----------
     wake
         Called when there is something to deliver, where there was nothing.
+    shared
+        Whether several nodes live in this process.
     """
 
     def __init__(self) -> None:
+        self.shared = False
         self.wake: Callable[[], None] = lambda: None
         self._inlets: dict[str, list[Inlet]] = {}
         self._outlets: list[Outlet] = []

@@ -1,6 +1,7 @@
 """Publishers and subscriptions, made from the wiring table; messages cross them as raw bytes."""
 
 import importlib
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -41,6 +42,11 @@ def subscription_profile(
     if not reliable:
         profile.reliability = ReliabilityPolicy.BEST_EFFORT
     return profile
+
+
+def on_this_machine() -> bool:
+    """Return whether all nodes that can be heard are on this machine."""
+    return os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE') == 'LOCALHOST'
 
 
 def publish_on(node: Node, topic: Topic, namespace: str) -> Publisher:

@@ -16,6 +16,7 @@ from omni_vehicle_ros.components.component import NANOSECONDS, Component, Output
 from omni_vehicle_ros.components.gate import Gate
 from omni_vehicle_ros.components.inbox import Inbox
 from omni_vehicle_ros.control.health import OK, WARN
+from omni_vehicle_ros.cores import stay_on_core
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.faults import FAULTS, Fault, faults_message
 from omni_vehicle_ros.faults import OK as UNHARMED
@@ -28,6 +29,7 @@ from omni_vehicle_ros.nodes.fault_parameters import FaultParameters
 from omni_vehicle_ros.nodes.handshake import Handshake
 from omni_vehicle_ros.nodes.managed import ManagedNode
 from omni_vehicle_ros.nodes.owners import Owners
+from omni_vehicle_ros.nodes.ports import on_this_machine
 from omni_vehicle_ros.nodes.scheduling import be_punctual, work_through
 from omni_vehicle_ros.parameters import PacingParameters
 
@@ -48,8 +50,6 @@ class Shell(ManagedNode):
 
     Attributes
     ----------
-    alone
-        Whether no other node lives in this process.
     age
         How long ago the message at hand came in [s].
     """
@@ -57,12 +57,12 @@ class Shell(ManagedNode):
     def __init__(self, role: str, *, context: Context, exchange: Exchange, namespace: str | None = None) -> None:
         super().__init__(role, context=context, exchange=exchange, namespace=namespace)
         self.finished = False
-        self.alone = True
         self.age = 0.0
         self._sources: tuple[str, ...] = ()
         self._previous: tuple[str, ...] = ()
         self._fetched: dict[str, Inlet] = {}
         self._noted: set[str] = set()
+        self._fetching = False
         self._warned: dict[str, float] = {}
         self.pacing = declare(self, PacingParameters)
         self.lockstep = self.pacing.pacing == 'lockstep'
@@ -121,19 +121,20 @@ class Shell(ManagedNode):
         self.connect()
         for row in self.topics():
             if self.subscribes(row.name) and row.name != 'ready':
-                # In real time a message that was lost is out of date before it could be sent again.
-                reliable = self.lockstep or not row.cyclic
+                # In real time a message that was lost is out of date before it could be sent again. In lock step none
+                # is lost in shared memory: fewer are on the way than it holds.
+                reliable = not row.cyclic or (self.lockstep and not on_this_machine())
                 if row.name == interface.EMERGENCY_STOP:
                     earlier = Earlier(self._decoder(row, self._heed), self._decoder(row, self._keep))
                     self.subscribe(row, earlier.hear, always=True)
                     self.subscribe(row, earlier.hear_earlier, depth=1, latched=True, always=True)
                     continue
                 depth = None if reliable or row.name != component.beat else 1  # an older beat is out of date, too
-                hear = self._decoder(row, self.note if row.name in fetched else self.take)
+                hear = self._decoder(row, self.take)
                 inlet = self.subscribe(row, hear, partial(self.take, row.name), reliable=reliable, depth=depth)
-                if row.name in fetched:
+                if row.name in fetched and not self.exchange.shared:
                     self._fetched[row.name] = inlet
-        self.unserved += tuple(inlet.subscription for inlet in self._fetched.values())
+        self._spare_wakes()
 
     def connect(self) -> None:
         """Make the publishers of this node."""
@@ -184,7 +185,8 @@ class Shell(ManagedNode):
     def take(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to, and act when that is complete."""
         self.note(topic, value)
-        self.act()
+        if not self._fetching:
+            self.act()
 
     def note(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to."""
@@ -204,10 +206,19 @@ class Shell(ManagedNode):
 
     def fetch(self) -> None:
         """Note the messages that wait in the middleware."""
+        self._fetching = True
         for topic, inlet in self._fetched.items():
             if topic not in self._noted:
                 inlet.fetch(self._note_age)
-        self.age = 0.0
+        self._fetching, self.age = False, 0.0
+
+    def _spare_wakes(self) -> None:
+        """Have the executor leave to `fetch` what it can; not as long as others that would wake this node are lost."""
+        lost = self.active and self.gate.lost
+        unserved = () if lost else tuple(inlet.subscription for inlet in self._fetched.values())
+        if unserved != self.unserved:
+            self.unserved = unserved
+            self._wake_executor()
 
     def _note_age(self, received: int) -> None:
         self.age = max((time.time_ns() - received) / NANOSECONDS, 0.0) if received else 0.0
@@ -221,7 +232,7 @@ class Shell(ManagedNode):
 
     def act(self) -> None:
         """Let the component act if its cycle is complete."""
-        if self._fetched and self.gate.waiting:
+        if self._fetched:
             self.fetch()
         stamp = self.gate.ready()
         if stamp is None or not self._connected():
@@ -249,7 +260,7 @@ class Shell(ManagedNode):
         fault = self._inbox.process
         if not self._inbox.silent:
             self._late.append((time.monotonic() + fault.value, self.component.step(stamp, missing)))
-        elif self.alone:
+        elif not self.exchange.shared:
             self._inbox.process = Fault(fault.component)  # who is thawed goes on
             end_or_freeze(fault.failure, [outlet.publisher for outlet in self.outlets.values()])
 
@@ -295,6 +306,8 @@ class Shell(ManagedNode):
             return
         if not self._handshake.done and self._handshake.complete():
             self.exchange.look()
+            if self.lockstep:
+                stay_on_core()
             if self._initial:
                 self.inject(self._initial)
                 self._initial = []
@@ -303,8 +316,9 @@ class Shell(ManagedNode):
             self.publish(self._late.popleft()[1])
         if self._owners.look():
             self._say_strangers(self._owners.strangers)
-        if self._impatient():
+        if self._fetched:
             self.act()
+            self._spare_wakes()
         if not (self.lockstep and self.gate.waiting):
             return
         waited, limit = time.monotonic() - self._opened, self.pacing.wait_limit
@@ -327,7 +341,9 @@ class Shell(ManagedNode):
 
     def wait(self) -> float:
         """Return for how long there is nothing to do but to take messages [s]."""
-        return 0.001 if self._late or self._impatient() else 0.05
+        if self._late or self._impatient():
+            return 0.001
+        return 0.05 if self.lockstep else 0.02
 
     def _impatient(self) -> bool:
         """Return whether nothing is awaited but what has been said already, and is to be fetched."""

@@ -56,8 +56,8 @@ class SideSlipControllerNode(Shell):
             component.configure(changed)
 
         self._end_changes = on_change(self, parameters, configure)
-        # The plant says them before tyres/side_slip.
-        self.attach(component, fetched=('odom', 'imu'))
+        # ICR steering answers to what the plant says.
+        self.attach(component, fetched=('joint_states', 'odom', 'imu', 'tyres/side_slip'))
 
     def finish(self) -> None:
         """Let parameters change no component that is gone."""

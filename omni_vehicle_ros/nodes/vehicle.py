@@ -34,10 +34,10 @@ MAKERS: dict[str, Callable[[Context, Exchange, str], Shell]] = {
 def make(context: Context, exchange: Exchange, roles: list[str], namespace: str) -> list[Shell]:
     """Make the nodes of ``roles`` in the namespace of a vehicle."""
     nodes = []
+    exchange.shared = len(roles) > 1
     for role in roles:
         wheel = role.split('/')[0] if '/' in role else ''
         nodes.append(MAKERS[role](context, exchange, interface.resolve(wheel, namespace)))
-        nodes[-1].alone = len(roles) == 1
     return nodes
 
 

@@ -31,7 +31,8 @@ class WheelModuleNode(Shell):
         trim_limit = declare(self, SideSlipParameters, only=('trim_limit',)).trim_limit
         trimmed = interface.SIDE_SLIP_CONTROLLER in self.pacing.participants
         self._module = WheelModule(wheel, parameters, period, trim_limit, trimmed=trimmed, name=self.full_name)
-        self.attach(self._module)
+        # The side-slip controller answers to ICR steering, and that to the plant.
+        self.attach(self._module, fetched=('joint_states', *self._module.sources[:-1]))
 
     def rest(self) -> None:
         """Let the wheel roll on as it is."""
