@@ -61,7 +61,6 @@ class Shell(ManagedNode):
         self._sources: tuple[str, ...] = ()
         self._previous: tuple[str, ...] = ()
         self._fetched: dict[str, Inlet] = {}
-        self._noted: set[str] = set()
         self._fetching = False
         self._warned: dict[str, float] = {}
         self.pacing = declare(self, PacingParameters)
@@ -191,7 +190,6 @@ class Shell(ManagedNode):
     def note(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to."""
         self._keep(topic, value)
-        self._noted.add(topic)
         if topic == self.component.beat:
             if self.lockstep and self.gate.waiting:
                 self.warn(f'cycle skipped at {value.stamp / 1e9:.3f} s: no answer from {self.gate.absent()}')
@@ -207,9 +205,8 @@ class Shell(ManagedNode):
     def fetch(self) -> None:
         """Note the messages that wait in the middleware."""
         self._fetching = True
-        for topic, inlet in self._fetched.items():
-            if topic not in self._noted:
-                inlet.fetch(self._note_age)
+        for inlet in self._fetched.values():
+            inlet.fetch(self._note_age)
         self._fetching, self.age = False, 0.0
 
     def _spare_wakes(self) -> None:
@@ -266,7 +263,6 @@ class Shell(ManagedNode):
 
     def hand_over(self) -> tuple[str, ...]:
         """Hand the messages that wait to the component; return the topics of which faults let nothing through."""
-        self._noted.clear()
         blocked = self._inbox.hand_over(self.now)
         if self._inbox.refused:
             if self.role == interface.PLANT:
