@@ -61,9 +61,12 @@ class Gate:
             if self._open is not None:
                 (self._awaited.add if self._lacks(source) else self._awaited.discard)(source)
 
-    def hear(self, topic: str) -> None:
-        """Note a message that may be announced."""
-        self._heard[topic] += 1
+    def hear(self, topic: str, stamp: int) -> None:
+        """Note a message: an answer for ``stamp`` [ns], or one that may be announced."""
+        if topic in self._answered:
+            self.answer(topic, stamp)
+        else:
+            self._heard[topic] += 1
 
     def announce(self, topics: Iterable[str]) -> None:
         """Note that one message more has been published on each of ``topics``."""

@@ -47,6 +47,15 @@ def vehicle_joints(value: Joints) -> VehicleJoints | None:
     return VehicleJoints(position[:4], velocity[:4], position[4:], velocity[4:], effort[4:])
 
 
+def wheel_joints(value: Joints, wheel: int) -> tuple[float, float] | None:
+    """Read steer angle [rad] and speed [rad/s] of one wheel from ``joint_states``; None as in `vehicle_joints`."""
+    if value.names != JOINT_NAMES or len(value.position) != 8 or len(value.velocity) != 8:
+        joints = vehicle_joints(value)
+        return None if joints is None else (joints.steer_angle[wheel], joints.wheel_speed[wheel])
+    angle, speed = value.position[wheel], value.velocity[4 + wheel]
+    return (angle, speed) if math.isfinite(angle + speed) else None
+
+
 def _sorted(value: Joints) -> Joints:
     """Bring joints of another order into ours; empty where one is missing."""
     index = {name: i for i, name in enumerate(value.names)}

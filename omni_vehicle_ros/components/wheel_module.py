@@ -1,7 +1,7 @@
 """One wheel module: set-point and trim in, what its actuators do out."""
 
 from omni_vehicle_ros.components.component import NANOSECONDS, WARN, Output, Reporter
-from omni_vehicle_ros.components.joints import module_joints, vehicle_joints
+from omni_vehicle_ros.components.joints import module_joints, wheel_joints
 from omni_vehicle_ros.control.failing_actuator import FailingDrive, FailingSteer
 from omni_vehicle_ros.control.fault_tolerance.order_check import OrderCheck
 from omni_vehicle_ros.control.health import Note
@@ -68,10 +68,9 @@ class WheelModule:
         if not isinstance(value, Joints):
             return
         if topic == 'joint_states':
-            joints = vehicle_joints(value)
+            joints = wheel_joints(value, self._index)
             if joints is not None:
-                self._wheel_speed = joints.wheel_speed[self._index]
-                self._steer_angle = joints.steer_angle[self._index]
+                self._steer_angle, self._wheel_speed = joints
                 self._law.start_at(self._steer_angle)
                 self._steer.measured = self._steer_angle
         elif not len(value.position) == len(value.velocity) == len(value.effort) == 2:

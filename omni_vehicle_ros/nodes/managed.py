@@ -124,7 +124,7 @@ class ManagedNode(LifecycleNode):
             self.outlets[row.name] = self.exchange.outlet(publish_on(self, row, self.vehicle_namespace), row)
 
     def subscribe(
-        self, row: interface.Topic, hear: Callable[[bytes], None], take: Callable[[Value], None] | None = None, *,
+        self, row: interface.Topic, hear: Callable[[bytes], None], take: Callable[[str, Value], None] | None = None, *,
         depth: int | None = None, latched: bool = False, reliable: bool = True, always: bool = False,
     ) -> Inlet:
         """Take the messages of a topic as long as the node is active.
@@ -136,20 +136,21 @@ class ManagedNode(LifecycleNode):
         hear
             Takes the bytes of a message.
         take
-            Takes the value of one that a node of this process hands over; without it, ``hear`` gets these, too.
+            Takes topic and value of one that a node of this process hands over; without it, ``hear`` gets these, too.
         depth, latched, reliable
             As in `subscribe_to`.
         always
             Whether bytes are taken also when the node is not active.
         """
+        name = row.name
 
         def heard(data: bytes) -> None:
             if always or self.active:
                 hear(data)
 
         def taken(value: Value) -> None:
-            if self.active and take is not None:
-                take(value)
+            if self.active:
+                take(name, value)  # type: ignore[misc]
 
         subscription = subscribe_to(
             self, row, self.vehicle_namespace, heard, depth=depth, latched=latched, reliable=reliable

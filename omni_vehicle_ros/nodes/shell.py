@@ -3,7 +3,6 @@
 import time
 from collections import deque
 from collections.abc import Callable
-from functools import partial
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.context import Context
@@ -110,7 +109,7 @@ class Shell(ManagedNode):
             Topics whose messages come before others of the same cycle: they are fetched with these. To be woken for
             a message costs more than to take it.
         """
-        self.component, self._sources = component, component.sources
+        self.component, self._beat, self._sources = component, component.beat, component.sources
         self._previous = previous if self.lockstep else ()
         self._fetched = {}
         self._inbox = Inbox(self.role, component, fault_injection=self.pacing.fault_injection)
@@ -124,13 +123,13 @@ class Shell(ManagedNode):
                 # is lost in shared memory: fewer are on the way than it holds.
                 reliable = not row.cyclic or (self.lockstep and not on_this_machine())
                 if row.name == interface.EMERGENCY_STOP:
-                    earlier = Earlier(self._decoder(row, self._heed), self._decoder(row, self._keep))
+                    earlier = Earlier(self._decoder(row, self._heed), self._decoder(row, self._inbox.put))
                     self.subscribe(row, earlier.hear, always=True)
                     self.subscribe(row, earlier.hear_earlier, depth=1, latched=True, always=True)
                     continue
                 depth = None if reliable or row.name != component.beat else 1  # an older beat is out of date, too
                 hear = self._decoder(row, self.take)
-                inlet = self.subscribe(row, hear, partial(self.take, row.name), reliable=reliable, depth=depth)
+                inlet = self.subscribe(row, hear, self.take, reliable=reliable, depth=depth)
                 if row.name in fetched and not self.exchange.shared:
                     self._fetched[row.name] = inlet
         self._spare_wakes()
@@ -189,8 +188,8 @@ class Shell(ManagedNode):
 
     def note(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to."""
-        self._keep(topic, value)
-        if topic == self.component.beat:
+        self._inbox.put(topic, value)
+        if topic == self._beat:
             if self.lockstep and self.gate.waiting:
                 self.warn(f'cycle skipped at {value.stamp / 1e9:.3f} s: no answer from {self.gate.absent()}')
             self.gate.open(value.stamp)
@@ -199,8 +198,8 @@ class Shell(ManagedNode):
             self.gate.announce(name for name in value.topics if self.subscribes(name))
             self.gate.answer(topic, value.stamp)
         else:
-            self.gate.hear(topic)
-            self.gate.answer(topic, value.stamp if value.stamp < self.now + FUTURE else self.now)
+            stamp = value.stamp
+            self.gate.hear(topic, stamp if stamp < self.now + FUTURE else self.now)
 
     def fetch(self) -> None:
         """Note the messages that wait in the middleware."""
@@ -222,10 +221,7 @@ class Shell(ManagedNode):
 
     def _heed(self, topic: str, value: Value) -> None:
         """Take what must not be missed by a node that is not active yet."""
-        (self.take if self.active else self._keep)(topic, value)
-
-    def _keep(self, topic: str, value: Value) -> None:
-        self._inbox.put(topic, value)
+        (self.take if self.active else self._inbox.put)(topic, value)
 
     def act(self) -> None:
         """Let the component act if its cycle is complete."""
@@ -233,7 +229,7 @@ class Shell(ManagedNode):
             self.fetch()
         stamp = self.gate.ready()
         if stamp is None or not self._connected():
-            if self._impatient():
+            if self._fetched and self._impatient():
                 self.exchange.wake()
             return
         missing = self.gate.missing()

@@ -25,7 +25,7 @@ def test_order_does_not_matter() -> None:
             if event == 'beat':
                 gate.open(10)
             elif event == 'icr':
-                gate.hear('driver/icr')
+                gate.hear('driver/icr', 0)
             elif event == 'step':
                 gate.announce(['driver/icr'])
                 gate.answer('driver/step', 10)
@@ -41,7 +41,7 @@ def test_an_announced_message_is_waited_for() -> None:
     gate.answer('driver/step', 0)
     assert gate.ready() is None
     assert gate.absent() == 'driver/icr'
-    gate.hear('driver/icr')
+    gate.hear('driver/icr', 0)
     assert gate.ready() == 0
 
 
@@ -153,3 +153,14 @@ def test_a_clock_that_goes_back_awaits_nothing_of_the_cycle_before() -> None:
         gate.close()
     gate.open(10)
     assert gate.ready() == 10
+
+
+def test_what_only_waits_to_be_fetched_is_known():
+    gate = Gate(('a', 'b'))
+    assert not gate.awaits_only({'a', 'b'})
+    gate.open(1)
+    assert gate.awaits_only({'a', 'b'}) and not gate.awaits_only({'a'})
+    gate.hear('b', 1)
+    assert gate.awaits_only({'a'})
+    gate.hear('a', 1)
+    assert not gate.awaits_only({'a'})

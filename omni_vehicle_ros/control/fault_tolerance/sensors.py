@@ -117,7 +117,8 @@ class SensorMonitor:
         self._blind = blind
         wrong = {} if blind else self._disagreements(seen)
         wrong.update(self._alone(seen.sensed.side_slip))
-        wrong.update((sensor, 'says nothing') for sensor in Sensor if sensor.value in silent)
+        if silent:
+            wrong.update((sensor, 'says nothing') for sensor in Sensor if sensor.value in silent)
         for sensor, debounce in self._debounce.items():
             debounce.update(sensor in wrong)
             self._why[sensor] = wrong.get(sensor, self._why[sensor])
@@ -202,23 +203,25 @@ class SensorMonitor:
 
         Wheels that drive or brake may spin or lock on ice, and tell nothing.
         """
-        velocities = wheel_velocities(seen.sensed.twist, self._vehicle)
-        angles, speeds = seen.sensed.steer_angle, seen.rolling
-        along = per_wheel(lambda i: velocities[i][0] * math.cos(angles[i]) + velocities[i][1] * math.sin(angles[i]))
-        return sum(
-            abs(torque) < _FREE and abs(ground - speed) > SPEED_TOLERANCE + SPEED_SHARE * abs(speed)
-            for ground, speed, torque in zip(along, speeds, seen.sensed.drive_torque, strict=True)
-        ) > 2
+        velocities, angles = wheel_velocities(seen.sensed.twist, self._vehicle), seen.sensed.steer_angle
+        wrong = 0
+        for (ahead, left), angle, speed, torque in zip(
+            velocities, angles, seen.rolling, seen.sensed.drive_torque, strict=True
+        ):
+            along = ahead * math.cos(angle) + left * math.sin(angle)
+            wrong += abs(torque) < _FREE and abs(along - speed) > SPEED_TOLERANCE + SPEED_SHARE * abs(speed)
+        return wrong > 2
 
     def _another_slip(self, seen: Seen) -> bool:
-        sensed, rolling = seen.sensed, seen.rolling
-        told = self._slips(sensed)
-        return any(
-            abs(rolling[i]) > _SLOWEST
-            and (abs(sensed.side_slip[i] - told[i]) > SLIP_TOLERANCE
-                 or abs(sensed.wheel_speed[i] - rolling[i]) > SPEED_TOLERANCE)
-            for i in range(4)
-        )
+        sensed = seen.sensed
+        for slip, told, speed, rolling in zip(
+            sensed.side_slip, self._slips(sensed), sensed.wheel_speed, seen.rolling, strict=True
+        ):
+            if abs(rolling) > _SLOWEST and (
+                abs(slip - told) > SLIP_TOLERANCE or abs(speed - rolling) > SPEED_TOLERANCE
+            ):
+                return True
+        return False
 
     def _slips(self, sensed: Sensed) -> PerWheel:
         """Return the side slips by odometry and steer angles [rad], roll steer included.
