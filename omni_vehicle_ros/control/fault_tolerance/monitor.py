@@ -9,7 +9,7 @@ from omni_vehicle_ros.control.fault_tolerance.condition import SOUND, Condition,
 from omni_vehicle_ros.control.fault_tolerance.drive_check import TORQUE_TOLERANCE, DriveCheck
 from omni_vehicle_ros.control.fault_tolerance.steering_check import ANGLE_TOLERANCE, SteeringCheck, lateness
 from omni_vehicle_ros.control.freshness import NANOSECONDS
-from omni_vehicle_ros.control.health import ERROR, Note
+from omni_vehicle_ros.control.health import ERROR, WARN, Note
 from omni_vehicle_ros.control.motion import motion_of_twist
 from omni_vehicle_ros.control.odometry import measured_twist
 from omni_vehicle_ros.control.wheel_module import Setpoint, Trim
@@ -25,6 +25,10 @@ _SLOW = 0.1
 # their drives pull already [cycles].
 _LONGEST_GAP = 20
 _SETTLING = 100
+
+# Age of an answer that is in time; cycles in a row without one that say that a module can't be judged.
+_TIMELY = 2
+_UNJUDGED = 200
 
 _SOUND = SOUND.wheels[0]
 
@@ -120,9 +124,9 @@ class ModuleMonitor:
     def notes(self) -> list[Note]:
         """What is wrong, wheel by wheel."""
         return [
-            (ERROR, f'{name} {text}')
+            (level, f'{name} {text}')
             for name, wheel, now in zip(WHEELS, self._wheels, self._condition.wheels, strict=True)
-            for text in wheel.says(now)
+            for level, text in wheel.says(now)
         ]
 
 
@@ -183,7 +187,7 @@ class _WheelMonitor:
         self._module, self._period, self._trim_limit = module, control_period, trim_limit
         self._lateness = lateness(control_period)
         self._step = round(control_period * NANOSECONDS)
-        self._late = self._lateness * self._step
+        self._timely, self._unjudged = self._lateness, 0
         self._gain = 1.0 - math.exp(-control_period / _TRIM_TIME)
         self._before = 0.0
         self._last_trim = self.trim = 0.0
@@ -211,8 +215,12 @@ class _WheelMonitor:
         if self._settling:
             self._settling -= 1
             return WheelCondition()
-        if heard.age > self._late:
+        # What came late, or followed on what did, is no measure of an actuator.
+        self._timely = self._timely + 1 if cycles == 1 and heard.age <= _TIMELY * self._step else 0
+        if self._timely < self._lateness:
+            self._unjudged += 1
             return WheelCondition(self._steering.fault, self._drive.fault)
+        self._unjudged = 0
         ground, wheel = seen.ground, seen.wheel
         steer = self._steering.update(seen.angle, expected.steer_angle, partial(ground.direction, wheel))
         drive = self._drive.update(seen.torque, expected.torque, ground.speed[wheel], ground.along(wheel))
@@ -223,9 +231,9 @@ class _WheelMonitor:
         """By how much the wheel is off its set-points, where that is constant [rad]."""
         return self._steering.offset
 
-    def says(self, now: WheelCondition) -> list[str]:
+    def says(self, now: WheelCondition) -> list[Note]:
         if now.silent:
-            return ['wheel module is silent']
+            return [(ERROR, 'wheel module is silent')]
         texts = []
         if now.steer is not SteerFault.NONE:
             at, limit = self._steering.at, ANGLE_TOLERANCE
@@ -235,4 +243,7 @@ class _WheelMonitor:
         elif now.drive is not DriveFault.NONE:
             at, limit = self._drive.at, TORQUE_TOLERANCE
             texts.append(f'drive {now.drive.value}, at {at:.0f} N m: more than {limit:g} N m from its set-points')
-        return texts
+        notes = [(ERROR, text) for text in texts]
+        if self._unjudged >= _UNJUDGED:
+            notes.append((WARN, 'wheel module answers late, again and again: its actuators are not judged'))
+        return notes
