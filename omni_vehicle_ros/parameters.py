@@ -242,7 +242,7 @@ class SteeringParameters(Parameters):
     speed_integral_gain: float = parameter(1.0, 'Integral gain of the speed controller, times the mass.', unit='1/s2', low=0.0, high=20.0)
     drive_shares: PerWheel = parameter((0.25, 0.25, 0.25, 0.25), 'Share of each wheel in traction; they sum to 1.', low=0.0, high=1.0)
     maximum_drive_force: float = parameter(3000.0, 'Largest traction or brake force of one wheel.', unit='N', low=0.0, high=1e5)
-    fault_reaction: bool = parameter(False, 'Act on faults of wheel modules that are seen: other ICR, other shares of the drives, less speed, or a stop. Without it they are only said. In real time on a machine that is short of time, late nodes are taken for faulty ones.')
+    fault_reaction: bool = parameter(False, 'Act on faults of wheel modules that are seen: other ICR, other shares of the drives, less speed, or a stop. Without it they are only said. In real time on a machine that misses most cycles, late nodes are taken for faulty ones.')
     fault_speed: float = parameter(5.0, 'Largest speed of the centre of gravity with a fault, but for a dead drive.', unit='m/s', low=0.01, high=100.0)
     fault_lateral_acceleration: float = parameter(2.0, 'Largest lateral acceleration with such a fault; three tyres have to make it.', unit='m/s2', low=0.01, high=20.0)
 
