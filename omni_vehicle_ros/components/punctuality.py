@@ -90,6 +90,8 @@ class Punctuality:
     def answer(self, source: str, stamp: int, wall: float) -> None:
         """Note that the answer of a source for ``stamp`` [ns] came at ``wall`` [s]."""
         cycle, begin = self._ticks.get(stamp, (0, 0.0))
+        if wall < begin:
+            return  # of another vehicle: ours can't know of a cycle before it has begun
         if stamp == self._stamp:
             self._awaited.discard(source)
         if cycle:

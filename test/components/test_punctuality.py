@@ -56,6 +56,15 @@ def test_nothing_counts_before_all_have_answered():
     assert found.figures() == {'period': PERIOD, 'cycles': 0, 'missed': 0, 'answer': None, 'jitter': None}
 
 
+def test_an_answer_from_before_its_tick_is_of_another_vehicle():
+    found = Punctuality(TOPICS, PERIOD)
+    found.tick(0, 10.0)
+    for topic in TOPICS:
+        found.answer(topic, 0, 9.0)
+    found.tick(STEP, 10.0 + PERIOD)
+    assert found.figures()['cycles'] == 0 and found.figures()['answer'] is None
+
+
 @given(st.lists(st.floats(0.0, 2.0 * PERIODS * PERIOD), min_size=1, max_size=200))
 def test_percentiles_are_those_of_the_times_to_a_bin(times):
     histogram = Histogram(PERIOD)
