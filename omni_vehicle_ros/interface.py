@@ -345,6 +345,9 @@ TOPICS: tuple[Topic, ...] = (
     ),
 )
 
+LONGEST = 1 << 16
+"""A message that is longer is dropped [byte]; the longest that a vehicle needs have some 2,000."""
+
 
 def topics(*, publish_clock: bool, fault_injection: bool) -> list[Topic]:
     """Return the rows that a vehicle uses, with those of its nodes that use them.

@@ -43,6 +43,8 @@ class Journal:
 
     def __init__(self, writer: Writer, namespace: str, period: int) -> None:
         self.now = 0
+        self._begun = False
+        self._strange, self._strangers = 0, 0
         self.period = period
         self.written = 0
         self.lost = 0
@@ -71,9 +73,9 @@ class Journal:
         index = self._index[topic]
         stamp = said = stamp_of(data)
         if topic == 'joint_states':
-            self.now = max(self.now, stamp)
+            stamp = self._cycle(stamp)
             self._write(self.now - SETTLE * self.period)
-        elif abs(stamp - self.now) > FOREIGN or (stamp == 0 and self.now > SETTLE * self.period):
+        elif stamp < 0 or abs(stamp - self.now) > FOREIGN or (stamp == 0 and self.now > SETTLE * self.period):
             stamp = self.now
         if self._cyclic[index]:
             self._heard[index] = max(stamp, self._heard.get(index, stamp))
@@ -81,6 +83,25 @@ class Journal:
         if topic == 'driver/step':
             self._keep_all(self._unstamped.name(decode(interface.topic(topic).type, data)))
         return said
+
+    def _cycle(self, stamp: int) -> int:
+        """Return the time of a message that begins a cycle.
+
+        One far from the others is of somebody else and has their time, unless many in a row agree: then time goes on
+        from there.
+        """
+        if self._begun and abs(stamp - self.now) > FOREIGN:
+            agrees = abs(stamp - self._strange) <= FOREIGN
+            self._strange, self._strangers = stamp, self._strangers + 1 if agrees else 1
+            if self._strangers < SETTLE:
+                return self.now
+        else:
+            self._strangers = 0
+        if stamp < 0:
+            return self.now
+        self._begun = True
+        self.now = max(self.now, stamp)
+        return stamp
 
     def _keep(self, topic: str, data: bytes, stamp: int) -> None:
         # Many nodes speak on /diagnostics at the same time: there the text decides, else who came first.

@@ -6,8 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from omni_vehicle_ros.control.health import OK, WARN, Note
+
 BINS, PERIODS = 4000, 8
 """Times of up to so many periods are told apart in so many bins: a run however long takes no more memory."""
+
+SECOND = 1.0
+"""From one look at missed cycles to the next [s]."""
 
 
 class Spread(NamedTuple):
@@ -60,6 +65,8 @@ class Punctuality:
 
     Attributes
     ----------
+    period
+        As given.
     cycles
         Counted so far, with those that had no tick.
     missed
@@ -67,9 +74,9 @@ class Punctuality:
     """
 
     def __init__(self, sources: Iterable[str], period: float) -> None:
+        self.period = period
         self.cycles = self.missed = 0
         self._sources = frozenset(sources)
-        self._period = period
         self._answers, self._jitter = Histogram(period), Histogram(period)
         self._before: dict[str, tuple[int, float]] = {}
         self._ticks: dict[int, tuple[int, float]] = {}
@@ -79,7 +86,7 @@ class Punctuality:
     def tick(self, stamp: int, wall: float) -> None:
         """Note that the cycle of ``stamp`` [ns] begins at ``wall`` [s]."""
         if self._ticks and (self.cycles or not self._awaited):
-            skipped = max(int((wall - self._last) / self._period - 0.5), 0)
+            skipped = max(int((wall - self._last) / self.period - 0.5), 0)
             self.cycles += 1 + skipped
             self.missed += bool(self._awaited) + skipped
         self._ticks[stamp] = self.cycles, wall
@@ -99,7 +106,11 @@ class Punctuality:
             self._before[source] = cycle, wall
             self._answers.add(wall - begin)
             if before is not None and before[0] == cycle - 1:
-                self._jitter.add(abs(wall - before[1] - self._period))
+                self._jitter.add(abs(wall - before[1] - self.period))
+
+    def rest(self) -> None:
+        """Begin anew with the next tick: no cycle is missed while time stands still."""
+        self._ticks.clear()
 
     def figures(self) -> dict[str, Any]:
         """Return what was found: period, cycles, missed, and the `Spread` of answers and of jitter or None.
@@ -108,6 +119,35 @@ class Punctuality:
         """
         spreads = {'answer': self._answers.spread(), 'jitter': self._jitter.spread()}
         return {
-            'period': self._period, 'cycles': self.cycles, 'missed': self.missed,
+            'period': self.period, 'cycles': self.cycles, 'missed': self.missed,
             **{name: spread and spread._asdict() for name, spread in spreads.items()},
         }
+
+
+class Lateness:
+    """Says once a second how many cycles were missed in it, and when there are no more.
+
+    Parameters
+    ----------
+    punctuality
+        Counts them.
+    """
+
+    def __init__(self, punctuality: Punctuality) -> None:
+        self._punctuality = punctuality
+        self._looked = -math.inf
+        self._cycles = self._missed = 0
+        self._late = False
+
+    def look(self, wall: float) -> Note | None:
+        """Return what there is to say at ``wall`` [s], if anything."""
+        if wall - self._looked < SECOND:
+            return None
+        found = self._punctuality
+        cycles, missed = found.cycles - self._cycles, found.missed - self._missed
+        self._looked, self._cycles, self._missed = wall, found.cycles, found.missed
+        was_late, self._late = self._late, missed > 0
+        period = f'{found.period * 1e3:g} ms'
+        if missed:
+            return WARN, f'{missed} of {cycles} cycles of {period} were missed in the last second'
+        return (OK, f'no cycle of {period} was missed in the last second') if was_late else None

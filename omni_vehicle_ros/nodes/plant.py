@@ -10,7 +10,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.plant import Plant
-from omni_vehicle_ros.components.punctuality import Punctuality
+from omni_vehicle_ros.components.punctuality import Lateness, Punctuality
 from omni_vehicle_ros.errors import MessageError
 from omni_vehicle_ros.messages import Text, Value, decode
 from omni_vehicle_ros.model.warm import warm
@@ -51,6 +51,7 @@ class PlantNode(Shell):
         self._tick = plant.control_period / self.pacing.realtime_factor
         self._state_timeout = round(plant.state_timeout * 1e9)
         self._punctuality = Punctuality(self._plant.sources, self._tick)
+        self._lateness = Lateness(self._punctuality)
         self._states = dict.fromkeys(self._plant.sources, -self._state_timeout - 1)
         self._came = dict(self._states)
         self._ready: set[str] = set()
@@ -67,6 +68,7 @@ class PlantNode(Shell):
         self._made = self._due = time.monotonic()
         answer = super().on_activate(state)
         if self._begun:
+            self._punctuality.rest()
             self.publish(self._plant.begin(self.now))
         return answer
 
@@ -76,7 +78,8 @@ class PlantNode(Shell):
         except MessageError as error:
             self.warn(f'ready: {error}; the message is dropped')
             return
-        self._ready.add(text.data)
+        if text.data in self.pacing.participants:
+            self._ready.add(text.data)
 
     def take(self, topic: str, value: Value) -> None:
         """Take a message; note how far the modules and the recorder are."""
@@ -166,6 +169,10 @@ class PlantNode(Shell):
         missing = tuple(topic for topic, stamp in self._states.items() if stamp < oldest)
         self.publish(self._plant.step(self.now, missing))
         self._due = max(self._due + self._tick, time.monotonic() - self._tick)
+        late = self._lateness.look(self._opened)
+        if late is not None:
+            level, text = late
+            self._say_note('punctuality', text, level)
 
     def finish(self) -> None:
         """Print how punctual the modules were, for whoever writes a report."""

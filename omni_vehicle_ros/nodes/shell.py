@@ -65,12 +65,12 @@ class Shell(ManagedNode):
         self.pacing = declare(self, PacingParameters)
         self.lockstep = self.pacing.pacing == 'lockstep'
         self._schedule()
-        self._rows = {
-            row.name: row
-            for row in interface.topics(
-                publish_clock=self.pacing.publish_clock, fault_injection=self.pacing.fault_injection
-            )
-        }
+        rows = interface.topics(
+            publish_clock=self.pacing.publish_clock, fault_injection=self.pacing.fault_injection
+        )
+        # Where no driver takes part, nobody may say that the drive is over.
+        stepped = self.lockstep or interface.DRIVER in self.pacing.participants
+        self._rows = {row.name: row for row in rows if stepped or row.name != 'driver/step'}
         self._late: deque[tuple[float, list[Output]]] = deque()
         self._initial: list[Fault] = []
         self._fault_parameters: FaultParameters | None = None
@@ -155,6 +155,9 @@ class Shell(ManagedNode):
         name, type_name = row.name, row.type
 
         def hear(data: bytes) -> None:
+            if len(data) > interface.LONGEST:
+                self.warn(f'{name}: more than {interface.LONGEST} bytes; the message is dropped')
+                return
             try:
                 value = decode(type_name, data)
             except MessageError as error:

@@ -78,6 +78,9 @@ class VehicleRecording:
         statistics = self._statistics.topics.setdefault(full, TopicStatistics())
 
         def take(data: bytes) -> None:
+            if len(data) > interface.LONGEST:
+                self._node.warn(f'{name}: more than {interface.LONGEST} bytes; the message is not recorded')
+                return
             try:
                 stamp = journal.add(name, data)
                 statistics.add(len(data), stamp // journal.period if row.cyclic else None)

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omni_vehicle_ros.components.punctuality import BINS, PERIODS, Histogram, Punctuality
+from omni_vehicle_ros.components.punctuality import BINS, PERIODS, Histogram, Lateness, Punctuality
+from omni_vehicle_ros.control.health import OK, WARN
 
 PERIOD = 0.005
 STEP = 5_000_000
@@ -76,3 +77,47 @@ def test_percentiles_are_those_of_the_times_to_a_bin(times):
     for share, found in ((0.5, spread.p50), (0.99, spread.p99)):
         exact = ordered[int(np.ceil(share * len(times))) - 1]
         assert exact - 1e-12 <= found <= exact + width + 1e-12
+
+
+def said(late: set[int], cycles: int) -> list[tuple[float, int, str]]:
+    """Return when and what is said if the answers of some cycles come after the next tick."""
+    found = Punctuality(TOPICS, PERIOD)
+    lateness, notes = Lateness(found), []
+    for cycle in range(cycles):
+        wall = cycle * PERIOD
+        found.tick(cycle * STEP, wall)
+        if (note := lateness.look(wall)) is not None:
+            notes.append((wall, *note))
+        if cycle not in late:
+            for topic in TOPICS:
+                found.answer(topic, cycle * STEP, wall + 0.001)
+    return notes
+
+
+def test_missed_cycles_are_said_once_a_second_and_then_that_there_are_no_more():
+    notes = said({*range(300, 310), 450}, 1500)
+    assert [level for _, level, _ in notes] == [WARN, WARN, OK]
+    assert notes[0][2].startswith('10 of 200 cycles of 5 ms')
+    assert notes[1][2].startswith('1 of 200 cycles of 5 ms')
+    assert all(b[0] - a[0] >= 1.0 for a, b in zip(notes, notes[1:], strict=False))
+
+
+def test_who_is_punctual_says_nothing():
+    assert said(set(), 1500) == []
+
+
+@given(st.sets(st.integers(1, 998)))
+def test_what_is_said_adds_up_to_all_that_was_missed(late):
+    notes = said(late, 1401)
+    assert sum(int(text.split()[0]) for _, level, text in notes if level == WARN) == len(late)
+
+
+def test_no_cycle_is_missed_while_time_stands_still():
+    found = Punctuality(TOPICS, PERIOD)
+    for number, wall in enumerate((0.0, PERIOD, 10.0, 10.0 + PERIOD)):
+        if wall == 10.0:
+            found.rest()
+        found.tick(number * STEP, wall)
+        for topic in TOPICS:
+            found.answer(topic, number * STEP, wall + 0.001)
+    assert (found.cycles, found.missed) == (2, 0)
