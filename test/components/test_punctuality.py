@@ -1,5 +1,7 @@
 """Answers by the wall clock: late ones, missed cycles and ticks, percentiles."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -99,7 +101,7 @@ def test_missed_cycles_are_said_once_a_second_and_then_that_there_are_no_more():
     assert [level for _, level, _ in notes] == [WARN, WARN, OK]
     assert notes[0][2].startswith('10 of 200 cycles of 5 ms')
     assert notes[1][2].startswith('1 of 200 cycles of 5 ms')
-    assert all(b[0] - a[0] >= 1.0 for a, b in zip(notes, notes[1:], strict=False))
+    assert all(b[0] - a[0] >= 1.0 for a, b in pairwise(notes))
 
 
 def test_who_is_punctual_says_nothing():
