@@ -129,12 +129,12 @@ class Graph:
     def _watch(self, progress: Callable[[float], None]) -> None:
         last = RECORDER if not self._one_process else 'vehicle'
         while not self.interrupted:
-            self._read(self.processes.lines(WATCH_PERIOD), progress)
+            self.read(self.processes.lines(WATCH_PERIOD), progress)
             if self._weighs and self._moving and time.monotonic() - self._weighed >= LOAD_PERIOD:
                 self._weigh()
             for role, code in self.processes.ended().items():
                 if role == last and code == 0:
-                    self._read(self.processes.lines(0.0), progress)
+                    self.read(self.processes.lines(0.0), progress)
                     return
                 self._note_death(role)
 
@@ -149,7 +149,7 @@ class Graph:
             raise RunError(self.processes.last_words(role))
         self.dead.setdefault(role, self.processes.last_words(role))
 
-    def _read(self, lines: list[str], progress: Callable[[float], None]) -> None:
+    def read(self, lines: list[str], progress: Callable[[float], None]) -> None:
         """Take what the nodes print: the time from the driver, the count from the recorder."""
         for line in lines:
             words = line.split()
@@ -163,7 +163,7 @@ class Graph:
 
     def stop(self) -> None:
         """Ask all to end, the recorder last."""
-        self._read(self.processes.stop(last=RECORDER), lambda time: None)
+        self.read(self.processes.stop(last=RECORDER), lambda time: None)
         self._core.let_go()
         if self.real_time:
             self.real_time.update(self._load)

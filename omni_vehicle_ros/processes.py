@@ -86,6 +86,10 @@ class Processes:
         words = f': {said[-1].removeprefix("error: ")}' if said else ''
         return f'{role} ended with code {self._processes[role].returncode}{words}'
 
+    def numbers(self) -> dict[str, int]:
+        """Return the numbers by which the system knows the processes."""
+        return {role: process.pid for role, process in self._processes.items()}
+
     def cpu_times(self) -> dict[str, float]:
         """Return the CPU time of each process until now, all its threads taken together [s]."""
         found = {}

@@ -18,6 +18,7 @@ import numpy as np
 
 from omni_vehicle_ros.analysis.regions import Regions, region_metrics, regions
 from omni_vehicle_ros.analysis.signals import Array, last_window, peak, steady_state, step_metrics
+from omni_vehicle_ros.analysis.sound import check_sound
 from omni_vehicle_ros.analysis.topics import columns, truth
 from omni_vehicle_ros.analysis.turn_limit import ends_in_a_turn, turn_limit
 from omni_vehicle_ros.bags import Bag, Columns
@@ -63,8 +64,9 @@ def compute_metrics(bag: Bag, vehicle: VehicleParameters | None = None) -> dict[
     Raises
     ------
     BagError
-        A topic is missing or has no messages.
+        A topic is missing, has no messages, or some that a plant can't have said.
     """
+    check_sound(bag)
     odom, slip, force = columns(bag, 'odom'), columns(bag, 'tyres/side_slip'), columns(bag, 'tyres/force')
     vehicle = vehicle or VehicleParameters()
     places, limit = regions(bag, vehicle), turn_limit(bag, vehicle)

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from omni_vehicle_ros.analysis.path import plot_path
 from omni_vehicle_ros.analysis.regions import regions, spans
 from omni_vehicle_ros.analysis.signals import Array
+from omni_vehicle_ros.analysis.sound import LARGEST
 from omni_vehicle_ros.analysis.style import ACCENT, INK, MUTED, REGION_COLOURS, SECOND, WHEEL_COLOURS, line
 from omni_vehicle_ros.analysis.topics import friction, has, truth
 from omni_vehicle_ros.bags import Bag
@@ -192,11 +193,17 @@ def _body(bag: Bag) -> Plot:
 
 
 def _bank(bag: Bag) -> tuple[Array, Array]:
-    return bag['environment/bank'].stamp, np.degrees(bag['environment/bank'].x)
+    return _possible(bag['environment/bank'].stamp, np.degrees(bag['environment/bank'].x))
 
 
 def _wind(bag: Bag) -> tuple[Array, Array]:
-    return bag['environment/wind'].stamp, bag['environment/wind'].y
+    return _possible(bag['environment/wind'].stamp, bag['environment/wind'].y)
+
+
+def _possible(time: Array, signal: Array) -> tuple[Array, Array]:
+    """Return what can have acted: anyone may say anything, and the plant takes no notice of what it can't follow."""
+    possible = np.abs(signal) <= LARGEST
+    return time[possible], signal[possible]
 
 
 _ENVIRONMENT: tuple[tuple[str, str, Callable[[Bag], tuple[Array, Array]]], ...] = (

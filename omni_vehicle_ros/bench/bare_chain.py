@@ -10,7 +10,6 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
-from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
 from omni_vehicle_ros.bench.examples import example
@@ -19,7 +18,7 @@ from omni_vehicle_ros.interface import ICR_STEERING, NODES, PLANT, TOPICS, Topic
 from omni_vehicle_ros.messages import SECOND, Diagnostics, Status, encode
 from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.ports import message_class, publisher_profile
-from omni_vehicle_ros.nodes.process import run
+from omni_vehicle_ros.nodes.process import LOOK_PERIOD, run
 
 PERIOD = SECOND // 200
 RESEND = 1.0
@@ -54,6 +53,7 @@ class BareNode(Node):  # type: ignore[misc]
         self._came = {row.name: -1 for row in inputs if row.name not in earlier}
         self._outlets = [self._outlet(row, namespace) for row in rows if role in row.publishers]
         self._diagnostics = self._outlet(topic('/diagnostics'), namespace) if role == PLANT else None
+        self.create_timer(LOOK_PERIOD, int)  # wakes an executor that waits without a time-out
         for row in inputs:
             take = partial(self._take, row.name)
             full = resolve(row.name, namespace)
@@ -105,9 +105,9 @@ class BareNode(Node):  # type: ignore[misc]
 class PlainExecutor(SingleThreadedExecutor):  # type: ignore[misc]
     """Waits as its ``spin`` does: without a time-out, whose change would have it make its wait set anew each time."""
 
-    def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
-        """Serve until something completes the future."""
-        super().spin_until_future_complete(future)
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Serve one callback, at the latest that of a timer."""
+        super().spin_once()
 
 
 def main() -> None:

@@ -4,8 +4,8 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
-PAGE = os.sysconf('SC_PAGE_SIZE')
 SEGMENTS = '/dev/shm/'
+KIBIBYTE = 1024
 
 
 class Footprint(NamedTuple):
@@ -13,8 +13,10 @@ class Footprint(NamedTuple):
 
     Attributes
     ----------
-    memory
-        Resident [byte].
+    resident
+        Memory [byte], shared libraries and shared memory included.
+    own
+        Of that what is neither a file nor shared: what a leak would add to [byte].
     files
         Open files, sockets among them.
     threads
@@ -23,7 +25,8 @@ class Footprint(NamedTuple):
         Files of shared memory that it has mapped.
     """
 
-    memory: int
+    resident: int
+    own: int
     files: int
     threads: int
     segments: int
@@ -43,8 +46,21 @@ def footprint(process: int) -> Footprint:
         It has ended.
     """
     folder = Path(f'/proc/{process}')
-    pages = (folder / 'statm').read_text(encoding='ascii').split()[1]
-    maps = (folder / 'maps').read_text(encoding='utf-8', errors='replace').splitlines()
-    mapped = {line[line.index(SEGMENTS) :] for line in maps if SEGMENTS in line}
-    files, threads = (len(os.listdir(folder / name)) for name in ('fd', 'task'))
-    return Footprint(int(pages) * PAGE, files, threads, len(mapped))
+    lines = (folder / 'status').read_text(encoding='utf-8', errors='replace').splitlines()
+    status = {key: value for key, _, value in (line.partition(':') for line in lines)}
+    resident, own = (int(status[key].split()[0]) * KIBIBYTE for key in ('VmRSS', 'RssAnon'))
+    return Footprint(
+        resident, own, len(os.listdir(folder / 'fd')), int(status['Threads']), len(segments(process))
+    )
+
+
+def segments(process: int) -> set[Path]:
+    """Return the files of shared memory that a process has mapped.
+
+    Raises
+    ------
+    OSError
+        It has ended.
+    """
+    maps = Path(f'/proc/{process}/maps').read_text(encoding='utf-8', errors='replace').splitlines()
+    return {Path(line[line.index(SEGMENTS) :]) for line in maps if SEGMENTS in line}

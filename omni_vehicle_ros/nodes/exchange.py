@@ -127,10 +127,13 @@ class Exchange:
         Called when there is something to deliver, where there was nothing.
     shared
         Whether several nodes live in this process.
+    heard
+        Messages that came over DDS so far.
     """
 
     def __init__(self) -> None:
         self.shared = False
+        self.heard = 0
         self.wake: Callable[[], None] = lambda: None
         self._inlets: dict[str, list[Inlet]] = {}
         self._outlets: list[Outlet] = []
@@ -173,9 +176,11 @@ class Exchange:
                 self._deliver(len(self._queue))
 
     def deliver(self, until: float) -> None:
-        """Hand over what waits, and what is said meanwhile, until nothing waits or it is ``until`` [s]."""
-        while self._queue and time.monotonic() < until:
+        """Hand over what waits, and then what is said meanwhile, until nothing waits or it is ``until`` [s]."""
+        while self._queue:
             self._deliver(len(self._queue))
+            if time.monotonic() >= until:
+                return
 
     @property
     def waits(self) -> bool:

@@ -145,6 +145,7 @@ class ManagedNode(LifecycleNode):
         name = row.name
 
         def heard(data: bytes) -> None:
+            self.exchange.heard += 1
             if always or self.active:
                 hear(data)
 

@@ -15,7 +15,6 @@ from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
-from rclpy.task import Future
 
 from omni_vehicle_ros.ending import ENDING, PARENT
 from omni_vehicle_ros.nodes.exchange import Exchange
@@ -23,7 +22,7 @@ from omni_vehicle_ros.nodes.refusals import REFUSALS, one_line
 
 EXIT_USAGE = 2
 LOOK_PERIOD = 0.02
-"""From one look to the next, be it at the clock by who takes messages or at who listens to them [s]."""
+"""From one look to the next at who listens; messages are taken no longer in one go [s]."""
 GARBAGE = 10_000
 """Objects more than before that set off a search for garbage; Python's own 700 come within a cycle or two."""
 
@@ -41,9 +40,6 @@ class Served(Protocol):
 
     def end(self) -> None:
         """Finish what must not be left half done; called once, before the node is destroyed."""
-
-    def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> object:
-        """Have a callback called from time to time."""
 
     def destroy_node(self) -> None:
         """Let go of all that is ROS."""
@@ -108,30 +104,38 @@ def _live(make: Make, make_executor: Callable[..., Executor], context: Context, 
 
 
 class Taking:
-    """Takes messages, with no way back into this process's own loop between two of them: that costs as much as one.
+    """Takes messages, one after the other, and looks at the clock after each.
+
+    Not by ``spin_until_future_complete``: each call of that keeps some memory for ever where pybind11 3.0 has built
+    rclpy (https://github.com/pybind/pybind11/pull/6010), and looks at its time-out only when no message waits.
 
     Parameters
     ----------
     executor
         Of the nodes.
-    node
-        One of them.
+    exchange
+        Of the process.
     """
 
-    def __init__(self, executor: Executor, node: Served) -> None:
-        self._executor = executor
-        self._end = Future()
-        # An executor looks at its time-out only when no message waits, and in lock step one always may.
-        node.create_timer(LOOK_PERIOD, self.end)
+    def __init__(self, executor: Executor, exchange: Exchange) -> None:
+        self._exchange = exchange
+        self._take = executor.spin_once
+        self._over = False
 
     def take(self, timeout: float) -> None:
-        """Take messages until none waits and ``timeout`` [s] is over, but not much longer than `LOOK_PERIOD`."""
-        self._end = Future()
-        self._executor.spin_until_future_complete(self._end, timeout_sec=timeout)
+        """Take messages until ``timeout`` [s] is over; without one, those that wait, for up to `LOOK_PERIOD`."""
+        self._over, now = False, time.monotonic()
+        until, last = now + timeout, now + LOOK_PERIOD
+        while not self._over:
+            heard = self._exchange.heard
+            self._take(timeout_sec=max(until - now, 0.0))
+            now = time.monotonic()
+            if now >= until and (timeout > 0.0 or now >= last or heard == self._exchange.heard):
+                return
 
     def end(self) -> None:
         """Come to an end with the message that is being taken."""
-        self._end.set_result(None)
+        self._over = True
 
 
 def spare_garbage_collection() -> None:
@@ -146,7 +150,7 @@ def serve(executor: Executor, exchange: Exchange, nodes: Sequence[Served], stop:
 
     Nodes that answer each other through the exchange may never come to an end: DDS has its turn at each poll, too.
     """
-    taking, due, look_due = Taking(executor, nodes[0]), 0.0, 0.0
+    taking, due, look_due = Taking(executor, exchange), 0.0, 0.0
     exchange.wake = taking.end
     while not stop.asked:
         now = time.monotonic()
@@ -161,4 +165,4 @@ def serve(executor: Executor, exchange: Exchange, nodes: Sequence[Served], stop:
             due = math.inf
         due = min(due, now + min(node.wait() for node in nodes))
         exchange.deliver(due)
-        taking.take(0.0 if exchange.waits else max(due - time.monotonic(), 0.0))
+        taking.take(0.0 if exchange.waits else min(max(due - time.monotonic(), 0.0), LOOK_PERIOD))
