@@ -19,6 +19,8 @@ BOOT = (
 )
 """What Python runs: never a module that happens to lie in the current directory."""
 
+PROFILE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+
 STOP_LIMIT = 8.0
 
 TICKS = os.sysconf('SC_CLK_TCK')
@@ -148,8 +150,10 @@ def node_environment(core: int | None = None) -> dict[str, str]:
 
 
 def network_environment() -> dict[str, str]:
-    """Return the environment of a node: this machine only, found soon, unless the user has said otherwise."""
+    """Return the environment of a node: this machine only, by our profile, unless the user has said otherwise."""
     environment = dict(os.environ)
     environment.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    environment.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(scenario_directory().parent / 'fastdds.xml'))
+    if PROFILE not in environment:
+        environment[PROFILE] = str(scenario_directory().parent / 'fastdds.xml')
+        environment.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
     return environment

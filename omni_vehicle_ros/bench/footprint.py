@@ -49,18 +49,6 @@ def footprint(process: int) -> Footprint:
     lines = (folder / 'status').read_text(encoding='utf-8', errors='replace').splitlines()
     status = {key: value for key, _, value in (line.partition(':') for line in lines)}
     resident, own = (int(status[key].split()[0]) * KIBIBYTE for key in ('VmRSS', 'RssAnon'))
-    return Footprint(
-        resident, own, len(os.listdir(folder / 'fd')), int(status['Threads']), len(segments(process))
-    )
-
-
-def segments(process: int) -> set[Path]:
-    """Return the files of shared memory that a process has mapped.
-
-    Raises
-    ------
-    OSError
-        It has ended.
-    """
-    maps = Path(f'/proc/{process}/maps').read_text(encoding='utf-8', errors='replace').splitlines()
-    return {Path(line[line.index(SEGMENTS) :]) for line in maps if SEGMENTS in line}
+    maps = (folder / 'maps').read_text(encoding='utf-8', errors='replace').splitlines()
+    mapped = {line[line.index(SEGMENTS) :] for line in maps if SEGMENTS in line}
+    return Footprint(resident, own, len(os.listdir(folder / 'fd')), int(status['Threads']), len(mapped))

@@ -6,16 +6,13 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-from omni_vehicle_ros.bench.footprint import Footprint, footprint, segments
+from omni_vehicle_ros.bench.footprint import Footprint, footprint
 from omni_vehicle_ros.bench.frame import Progress
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.graph import Graph
 from omni_vehicle_ros.interface import NODES
 from omni_vehicle_ros.processes import network_environment
 from omni_vehicle_ros.scenarios.scenario import Scenario, make_scenario
-
-PORT = 'port'
-"""In the name of a file of shared memory that all processes of a domain use, and that stays when one has ended."""
 
 STALL = 60.0
 """Wall time without a cycle after which a drive counts as stuck [s]."""
@@ -41,12 +38,11 @@ class Sample(NamedTuple):
 
 
 class LongDrive(NamedTuple):
-    """Samples of a drive; messages that were recorded and lost; files of shared memory that it left behind."""
+    """Samples of a drive, and messages that were recorded and lost."""
 
     samples: list[Sample]
     messages: int
     lost: int
-    left: int
 
 
 def scenario(duration: float) -> Scenario:
@@ -87,8 +83,7 @@ def drive(duration: float, period: float, progress: Progress = lambda done: None
     for role, code in graph.processes.ended().items():
         if code:
             raise RunError(f'{role} ended with code {code} at {watch.simulated:.0f} s')
-    left = sum(1 for path in watch.segments if PORT not in path.name and path.exists())
-    return LongDrive(watch.samples, graph.messages, graph.lost, left)
+    return LongDrive(watch.samples, graph.messages, graph.lost)
 
 
 class _Watch:
@@ -96,7 +91,6 @@ class _Watch:
 
     def __init__(self, graph: Graph, bag: Path, period: float) -> None:
         self.samples: list[Sample] = []
-        self.segments: set[Path] = set()
         self.simulated = 0.0
         self._graph, self._bag, self._period = graph, bag, period
         self._due = 0.0
@@ -116,7 +110,6 @@ class _Watch:
             (process,) = self._graph.processes.numbers().values()
             size = sum(path.stat().st_size for path in self._bag.glob('*.mcap'))
             self.samples.append(Sample(self.simulated, wall - self._begun, footprint(process), size))
-            self.segments |= segments(process)
             self._due += self._period
 
     def _advance(self, simulated: float) -> None:
