@@ -15,7 +15,7 @@ from omni_vehicle_ros.analysis.topics import friction, has, truth
 from omni_vehicle_ros.bags import Bag
 from omni_vehicle_ros.model.tyres.region import Region
 from omni_vehicle_ros.scenarios import Scenario
-from omni_vehicle_ros.wheels import WHEELS
+from omni_vehicle_ros.wheels import WHEELS, steer_joint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,7 +49,7 @@ def draw_plots(bag: Bag, scenario: Scenario) -> list[Plot]:
     for draw in (_speed, _side_slip, _steer_angles, _friction_use, _loads, _forces, _body):
         plots.append(draw(bag))
     plots.insert(_AFTER_SLIP, _regions(bag, scenario))
-    if any(has(bag, topic) for topic, _, _ in _ENVIRONMENT):
+    if any(has(bag, topic) and len(read(bag)[0]) for topic, _, read in _ENVIRONMENT):
         plots.append(_environment(bag))
     for plot in plots[1:]:
         _tidy(plot.figure, [command.at for command in scenario.commands if command.at > 0.0])
@@ -104,7 +104,8 @@ def _speed(bag: Bag) -> Plot:
     line(speed, odom.stamp, odom.vy, SECOND, 'lateral')
     if has(bag, 'driver/speed'):
         said = bag['driver/speed']
-        speed.step(said.stamp, said.vx, where='post', color=ACCENT, linestyle=_COMMAND, linewidth=1.0, label='driver')
+        asked = _possible(said.stamp, said.vx)
+        speed.step(*asked, where='post', color=ACCENT, linestyle=_COMMAND, linewidth=1.0, label='driver')
     line(yaw, odom.stamp, np.degrees(odom.yaw_rate), INK)
     speed.set_xlim(odom.stamp[0], odom.stamp[-1])
     speed.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncol=3)
@@ -142,9 +143,10 @@ def _steer_angles(bag: Bag) -> Plot:
     grid = figure.subplots(2, 2, sharex=True, sharey=True)
     for i, (axes, wheel) in enumerate(zip(grid.flat, WHEELS, strict=True)):
         line(axes, joints.stamp, np.degrees(joints.position[:, i]), WHEEL_COLOURS[i])
-        if has(bag, f'{wheel}/command'):
+        if has(bag, f'{wheel}/command') and steer_joint(wheel) in bag[f'{wheel}/command'].names:
             command = bag[f'{wheel}/command']
-            line(axes, command.stamp, np.degrees(command.position[:, 0]), INK, linestyle=_COMMAND, linewidth=0.9)
+            asked = np.degrees(command.position[:, command.names.index(steer_joint(wheel))])
+            line(axes, *_possible(command.stamp, asked), INK, linestyle=_COMMAND, linewidth=0.9)
         axes.set_title(wheel.replace('_', ' '), color=WHEEL_COLOURS[i], fontsize=8.5)
     grid[0, 0].set_xlim(joints.stamp[0], joints.stamp[-1])
     figure.supylabel('steer angle [°]', fontsize=9.0, color=INK)
@@ -215,10 +217,10 @@ _ENVIRONMENT: tuple[tuple[str, str, Callable[[Bag], tuple[Array, Array]]], ...] 
 
 def _environment(bag: Bag) -> Plot:
     end = truth(bag, 'odom').stamp[-1]
-    there = [row for row in _ENVIRONMENT if has(bag, row[0])]
-    figure, grid = stacked_axes(*(label for _, label, _ in there))
-    for axes, (_, _, read) in zip(grid, there, strict=True):
-        time, signal = read(bag)
+    said = [(label, *read(bag)) for topic, label, read in _ENVIRONMENT if has(bag, topic)]
+    there = [row for row in said if len(row[1])]
+    figure, grid = stacked_axes(*(label for label, _, _ in there))
+    for axes, (_, time, signal) in zip(grid, there, strict=True):
         colours = WHEEL_COLOURS if signal.ndim > 1 else (INK,)
         for column, colour in zip(np.atleast_2d(signal.T), colours, strict=True):
             axes.step(np.append(time, end), np.append(column, column[-1]), where='post', color=colour)

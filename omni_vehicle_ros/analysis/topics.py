@@ -11,6 +11,8 @@ from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.parameters import PlantParameters
 from omni_vehicle_ros.wheels import WHEELS
 
+MOST_FRICTION = 2.0
+
 
 class Topics(Protocol):
     """Columns by topic: a bag, or what is left of one."""
@@ -58,7 +60,8 @@ def truth(bag: Topics, topic: str) -> Columns:
 def friction(bag: Bag) -> tuple[Array, Array]:
     """Return the times of change [s], shape (n,), and the friction under each wheel from then on, shape (n, 4).
 
-    A message names some wheels, the others keep theirs; at first it is the default of the plant.
+    A message names some wheels, the others keep theirs; at first it is the default of the plant. What no road has, the
+    plant takes no notice of.
     """
     now = np.array(PlantParameters().friction)
     if not has(bag, 'environment/friction'):
@@ -69,7 +72,7 @@ def friction(bag: Bag) -> tuple[Array, Array]:
     for efforts in said.effort:
         now = now.copy()
         for wheel, column in places:
-            if np.isfinite(efforts[column]):
+            if 0.0 < efforts[column] <= MOST_FRICTION:
                 now[wheel] = efforts[column]
         rows.append(now)
     return said.stamp, np.array(rows)

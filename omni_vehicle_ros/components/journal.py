@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from omni_vehicle_ros import interface
+from omni_vehicle_ros.components.beats import FOREIGN, Beats
 from omni_vehicle_ros.components.unstamped import TOPICS as UNSTAMPED
 from omni_vehicle_ros.components.unstamped import Unstamped
 from omni_vehicle_ros.faults import CLOCK, FAULTS, read_faults
@@ -11,9 +12,6 @@ from omni_vehicle_ros.messages.stamps import stamp_of
 
 SETTLE = 40
 """Cycles that a message waits for those of the same time: more than the plant runs ahead of the recorder."""
-
-FOREIGN = 1_000_000_000
-"""A stamp farther than this from simulated time is of another clock [ns]."""
 
 FAULT_TYPE = interface.topic(FAULTS).type
 
@@ -43,8 +41,7 @@ class Journal:
 
     def __init__(self, writer: Writer, namespace: str, period: int) -> None:
         self.now = 0
-        self._begun = False
-        self._strange, self._strangers = 0, 0
+        self._beats = Beats(SETTLE)
         self.period = period
         self.written = 0
         self.lost = 0
@@ -85,21 +82,9 @@ class Journal:
         return said
 
     def _cycle(self, stamp: int) -> int:
-        """Return the time of a message that begins a cycle.
-
-        One far from the others is of somebody else and has their time, unless many in a row agree: then time goes on
-        from there.
-        """
-        if self._begun and abs(stamp - self.now) > FOREIGN:
-            agrees = abs(stamp - self._strange) <= FOREIGN
-            self._strange, self._strangers = stamp, self._strangers + 1 if agrees else 1
-            if self._strangers < SETTLE:
-                return self.now
-        else:
-            self._strangers = 0
-        if stamp < 0:
+        """Return the time of a message that begins a cycle: its own, or now for one of a stranger."""
+        if not self._beats.accept(stamp):
             return self.now
-        self._begun = True
         self.now = max(self.now, stamp)
         return stamp
 

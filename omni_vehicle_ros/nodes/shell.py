@@ -11,6 +11,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 
 from omni_vehicle_ros import interface
+from omni_vehicle_ros.components.beats import Beats
 from omni_vehicle_ros.components.component import NANOSECONDS, Component, Output
 from omni_vehicle_ros.components.gate import Gate
 from omni_vehicle_ros.components.inbox import Inbox
@@ -36,6 +37,9 @@ WARN_PERIOD = 5.0
 
 FUTURE = 1_000_000_000
 """A stamp farther ahead than this is of another clock, and answers for now only [ns]."""
+
+RESTARTED = 10
+"""Beats of another clock in a row by which a plant that was started anew is known."""
 
 CONNECT_LIMIT = 3.0
 """Wall time in which a node is connected to all the others, if they are there [s]."""
@@ -71,6 +75,7 @@ class Shell(ManagedNode):
         # Where no driver takes part, nobody may say that the drive is over.
         stepped = self.lockstep or interface.DRIVER in self.pacing.participants
         self._rows = {row.name: row for row in rows if stepped or row.name != 'driver/step'}
+        self._beats = Beats(RESTARTED)
         self._late: deque[tuple[float, list[Output]]] = deque()
         self._initial: list[Fault] = []
         self._fault_parameters: FaultParameters | None = None
@@ -191,6 +196,9 @@ class Shell(ManagedNode):
 
     def note(self, topic: str, value: Value) -> None:
         """Keep a message for the cycle that it belongs to."""
+        if topic == self._beat and not (self.lockstep or self._beats.accept(value.stamp)):
+            self.warn(f'{topic}: a stamp of another clock; the message is dropped')
+            return
         self._inbox.put(topic, value)
         if topic == self._beat:
             if self.lockstep and self.gate.waiting:

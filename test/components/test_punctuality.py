@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from omni_vehicle_ros.components.punctuality import BINS, PERIODS, Histogram, Lateness, Punctuality
@@ -108,7 +108,8 @@ def test_who_is_punctual_says_nothing():
     assert said(set(), 1500) == []
 
 
-@given(st.sets(st.integers(1, 998)))
+@settings(max_examples=20, deadline=None)
+@given(st.sets(st.integers(1, 998), max_size=20))
 def test_what_is_said_adds_up_to_all_that_was_missed(late):
     notes = said(late, 1401)
     assert sum(int(text.split()[0]) for _, level, text in notes if level == WARN) == len(late)
