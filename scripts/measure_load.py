@@ -120,7 +120,7 @@ PARTS: dict[str, Callable[[], str]] = {
     'one-process': lambda: fleets(one_process=True),
     'floods': lambda: floods([
         ('none', []), ('commands', ['commands', '10000', '10']), ('garbage', ['garbage', '10']),
-        ('strangers', ['strangers']), ('none', []), ('garbage', ['garbage', '10']), ('none', []),
+        ('garbage', ['garbage', '10']), ('garbage', ['garbage', '10']), ('strangers', ['strangers']), ('none', []),
     ]),
     'huge': lambda: floods([('none', []), *([('huge', ['huge', '3'])] * 4), ('none', [])]),
     'hour': hour,

@@ -14,6 +14,9 @@ SECOND = 1_000_000_000
 KEPT_LAYOUTS = 64
 """Layouts kept for each type and direction, so that ever new names don't fill the memory."""
 
+KEPT_SIZE = 4096
+"""Messages that are longer are read field by field each time [byte]: no node of a vehicle says such ones."""
+
 
 class Codec(ABC):
     """Turns the values of one type into bytes and back."""
@@ -94,7 +97,7 @@ class CachedCodec(Codec):
         reader = Reader(data)
         shape, numbers = self.read(reader)
         reader.finish()
-        layout = self.layout(shape) if reader.little_endian else None
+        layout = self.layout(shape) if reader.little_endian and len(data) <= KEPT_SIZE else None
         return layout if layout is not None and layout.describes(data) else None, shape, numbers
 
 
