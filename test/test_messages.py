@@ -362,6 +362,19 @@ def test_ever_new_names_do_not_fill_the_memory():
     assert sum(map(len, codec._by_length.values())) <= KEPT_LAYOUTS
 
 
+def test_long_messages_are_read_and_not_kept():
+    """A kept layout takes more than its message: of a flood of long ones nothing stays."""
+    type_name = 'sensor_msgs/msg/JointState'
+    names = tuple(f'joint_{number}' for number in range(1000))
+    value = messages.Joints(5, names, tuple(map(float, range(1000))))
+    data = encode(type_name, value)
+    codec = CODECS[type_name]
+    codec._by_shape.clear()
+    assert decode(type_name, data) == value
+    assert not codec._by_shape
+    assert len(data) not in codec._by_length
+
+
 def test_unused_fields_are_ignored():
     twist = messages.Twist(7 * SECOND, 1.0, 2.0, 3.0)
     message = ros_twist(twist)
