@@ -127,7 +127,7 @@ PARTS: dict[str, Callable[[], str]] = {
         ('none', []), ('commands', ['commands', '10000', '10']), ('garbage', ['garbage', '10']),
         ('garbage', ['garbage', '10']), ('garbage', ['garbage', '10']), ('strangers', ['strangers']), ('none', []),
     ]),
-    'huge': lambda: floods([('none', []), *([('huge', ['huge', '3'])] * 4), ('none', [])]),
+    'huge': lambda: floods([('none', []), *([('huge', ['huge', '2'])] * 3), ('none', [])]),
     'hour': hour,
 }
 
