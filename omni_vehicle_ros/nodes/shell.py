@@ -34,6 +34,8 @@ from omni_vehicle_ros.nodes.scheduling import be_punctual, work_through
 from omni_vehicle_ros.parameters import PacingParameters
 
 WARN_PERIOD = 5.0
+WARNING_LENGTH = 500
+"""What somebody sends may be in it, and /rosout keeps the last 1000 for who comes later."""
 
 FUTURE = 1_000_000_000
 """A stamp farther ahead than this is of another clock, and answers for now only [ns]."""
@@ -353,7 +355,8 @@ class Shell(ManagedNode):
         return self.lockstep and self.active and self.gate.awaits_only(self._fetched)
 
     def warn(self, message: str) -> None:
-        """Log a warning, the same one at most every few seconds."""
+        """Log a warning, of a long one the beginning, and the same one at most every few seconds."""
+        message = message[:WARNING_LENGTH]
         now = time.monotonic()
         if now - self._warned.get(message, -WARN_PERIOD) >= WARN_PERIOD:
             self._warned = {text: when for text, when in self._warned.items() if now - when < WARN_PERIOD}
