@@ -124,7 +124,7 @@ class Graph:
         options = [*options, '--ros-args', '--params-file', str(self._parameters), *remap]
         # The recorder works beside those who take turns.
         core = None if role == RECORDER else self._core.number
-        self.processes.spawn(role, f'nodes.{executable}', options, core)
+        self.processes.spawn(role, f'nodes.{executable}', options, core=core)
 
     def _watch(self, progress: Callable[[float], None]) -> None:
         last = RECORDER if not self._one_process else 'vehicle'

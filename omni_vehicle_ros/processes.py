@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import IO
 
@@ -41,16 +42,19 @@ class Processes:
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._selector = selectors.DefaultSelector()
 
-    def spawn(self, role: str, module: str, arguments: list[str], core: int | None = None) -> None:
+    def spawn(
+        self, role: str, module: str, arguments: list[str], *, core: int | None = None, prefix: Sequence[str] = ()
+    ) -> None:
         """Start the ``main`` of a module, in a session of its own: a Ctrl-C in the terminal is for us to pass on.
 
         It inherits held signals, and lets them through when it can handle them. In lock step it stays on ``core``.
+        ``prefix`` are words before the command, of a program that becomes it.
         """
         hold_signals()
         try:
             with self._log(role).open('wb') as log:
                 process = subprocess.Popen(
-                    [sys.executable, '-c', BOOT, module, *arguments],
+                    [*prefix, sys.executable, '-c', BOOT, module, *arguments],
                     stdin=subprocess.DEVNULL,
                     stdout=subprocess.PIPE,
                     stderr=log,

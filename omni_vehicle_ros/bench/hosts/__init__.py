@@ -1,0 +1,1 @@
+"""Several hosts on one machine, on a network that loses, delays and breaks: what a vehicle spread over them does."""
