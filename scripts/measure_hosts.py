@@ -17,8 +17,8 @@ PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'hosts.md'
 PERIODS = 50.0, 20.0, 10.0, 5.0
 """Each has its marks in the page [ms]."""
 HEAD = (
-    '| what the network does | cycles | missed | answer p50, p99 [ms] | off the path [m] | passive wheels | at the end | '
-    'ICR steering says |\n| --- | --- | --- | --- | --- | --- | --- | --- |'
+    '| what the network does | cycles | missed | answer p50, p99 [ms] | off the path [m] | passive wheels | at the end '
+    '| ICR steering says |\n| --- | --- | --- | --- | --- | --- | --- | --- |'
 )
 STANDS = 0.05
 
