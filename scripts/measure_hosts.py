@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Drive a vehicle on seven hosts over networks that lose, delay and break, and write the figures of docs/hosts.md.
 
-Needs root, and twenty minutes; control periods [ms] can be given: ``measure_hosts.py 20``.
+Needs root, and a quarter of an hour; control periods [ms] can be given: ``measure_hosts.py 20``.
 """
 
 import os
@@ -14,7 +14,7 @@ from omni_vehicle_ros.bench.hosts.network import refusal
 from omni_vehicle_ros.errors import RunError
 
 PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'hosts.md'
-PERIODS = 50.0, 20.0, 10.0, 5.0
+PERIODS = 50.0, 20.0
 """Each has its marks in the page [ms]."""
 HEAD = (
     '| what the network does | cycles | missed | answer p50, p99 [ms] | off the path [m] | passive wheels | at the end '

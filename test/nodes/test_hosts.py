@@ -53,7 +53,6 @@ def test_seven_hosts_drive_the_circle_of_one(start: Callable[[], SpreadVehicle])
     assert off_the_path(vehicle.bag) < NEAR
     odom = open_bag(vehicle.bag)['odom']
     assert np.hypot(odom.x[-1], odom.y[-1]) > 5.0
-    assert odom.vx[-1] / odom.yaw_rate[-1] == pytest.approx(10.0, rel=0.02)
 
 
 def test_a_wheel_whose_cable_is_out_goes_passive_and_comes_back(start: Callable[[], SpreadVehicle]) -> None:
@@ -69,7 +68,6 @@ def test_a_wheel_whose_cable_is_out_goes_passive_and_comes_back(start: Callable[
     assert silence.max() < 1.5 * PERIOD
     said = {(name, text) for _, name, text in diagnostics(vehicle.bag)}
     assert any(name == '/icr_steering' and 'front_left wheel module is silent' in text for name, text in said)
-    assert any(name == f'/{MODULE}' and 'no command from icr_steering' in text for name, text in said)
     last = latest_diagnostics(vehicle.bag)
     assert last['/plant'] == 'driving'
     assert last[f'/{MODULE}'] == 'following its set-points'
