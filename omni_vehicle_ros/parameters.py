@@ -264,7 +264,7 @@ class WheelModuleParameters(Parameters):
     steer_limit: float = parameter(1.75, 'Largest steer angle, to either side.', unit='rad', low=0.01, high=3.1415)
     drive_time_constant: float = parameter(0.05, 'Time constant of the drive torque.', unit='s', low=0.001, high=10.0)
     drive_torque_limit: float = parameter(1050.0, 'Largest drive or brake torque.', unit='N m', low=0.0, high=1e5)
-    module_timeout: float = parameter(0.1, 'Age of a set-point at which the module holds its angle and brakes its wheel; 0: never.', unit='s', low=0.0, high=60.0)
+    module_timeout: float = parameter(0.1, 'Age of a set-point at which the module holds its angle and brakes its wheel. In real time also how long it waits for joint_states before it holds its angle without torque. 0: never.', unit='s', low=0.0, high=60.0)
     brake_gain: float = parameter(150.0, 'Brake torque per wheel speed when the set-point is stale.', unit='N m s/rad', low=0.0, high=1e5)
     emergency_torque: float = parameter(100.0, 'Least brake torque of a rolling wheel in an emergency stop, whatever it is commanded.', unit='N m', low=0.0, high=1e5)
 

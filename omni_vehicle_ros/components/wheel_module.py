@@ -1,14 +1,14 @@
 """One wheel module: set-point and trim in, what its actuators do out."""
 
-from omni_vehicle_ros.components.component import NANOSECONDS, WARN, Output, Reporter
+from omni_vehicle_ros.components.component import ERROR, NANOSECONDS, WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import module_joints, wheel_joints
 from omni_vehicle_ros.control.failing_actuator import FailingDrive, FailingSteer
 from omni_vehicle_ros.control.fault_tolerance.order_check import OrderCheck
-from omni_vehicle_ros.control.health import Note
+from omni_vehicle_ros.control.health import Note, health
 from omni_vehicle_ros.control.wheel_module import Setpoint, Trim
 from omni_vehicle_ros.control.wheel_module import WheelModule as Law
 from omni_vehicle_ros.faults import Fault
-from omni_vehicle_ros.interface import SIDE_SLIP_CONTROLLER
+from omni_vehicle_ros.interface import PLANT, SIDE_SLIP_CONTROLLER
 from omni_vehicle_ros.messages import Flag, Joints, Value
 from omni_vehicle_ros.parameters import WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS
@@ -57,6 +57,9 @@ class WheelModule:
         self._awaits_trim = trimmed
         self._wheel_speed = self._steer_angle = 0.0
         self._malformed = ''
+        self._deaf = (
+            f'no joint_states from {PLANT} for module_timeout, {parameters.module_timeout:g} s: angle held, no torque'
+        )
         cycle = round(control_period * NANOSECONDS)
         self._orders = {topic: OrderCheck(topic, cycle) for topic in (self._command, trim)}
         self._reporter = Reporter(self.name)
@@ -100,8 +103,13 @@ class WheelModule:
 
     def rest(self, stamp: int) -> list[Output]:
         """Return what the actuators do when the module acts no more: they hold the angle, without torque."""
+        self._law.rest()
         joints = module_joints(self.wheel, stamp, (self._steer_angle, 0.0), (self._wheel_speed, 0.0))
         return [Output(f'{self.wheel}/state', joints)]
+
+    def fall_back(self, stamp: int) -> list[Output]:
+        """Rest, as there is no beat after ``stamp`` [ns]: without the speed of the wheel it can't be braked."""
+        return self._reporter.report(stamp, health([(ERROR, self._deaf)], '')) + self.rest(stamp)
 
     def _own_notes(self, stamp: int) -> list[Note]:
         """Return what is wrong beside what the law says."""

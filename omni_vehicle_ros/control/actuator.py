@@ -83,10 +83,6 @@ class SteerActuator:
         """Steer angle at the time of the last update [rad]."""
         return self._angle
 
-    def start_at(self, angle: float) -> None:
-        """Begin with a wheel that points somewhere [rad]."""
-        self._angle = angle
-
     def reach(self, now: int) -> float:
         """Go on to ``now`` [ns] with the set-points given so far, and return the steer angle there [rad]."""
         if self._now is None or now < self._now:

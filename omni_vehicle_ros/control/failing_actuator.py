@@ -64,9 +64,9 @@ class FailingSteer:
         self._given.clear()
         self._actuator.slow_to(fault.value if fault.failure == 'slow' else 1.0)
 
-    def start_at(self, angle: float) -> None:
-        """Begin with a wheel that points somewhere [rad]."""
-        self._actuator.start_at(angle)
+    def rest_at(self, angle: float) -> None:
+        """Begin anew at an angle [rad]; see `SteerActuator.rest_at`."""
+        self._actuator.rest_at(angle)
 
     def reach(self, now: int) -> float:
         """Return the steer angle at ``now`` [ns]; see `SteerActuator.reach`."""
@@ -129,6 +129,10 @@ class FailingDrive:
         """Fail so from the next update on, or be ok."""
         self._fault, self._age = fault, 0
         self._actuator.slow_to(fault.value if fault.failure == 'slow' else 1.0)
+
+    def rest_at(self, torque: float) -> None:
+        """Begin anew at a torque [N m]; see `DriveActuator.rest_at`."""
+        self._actuator.rest_at(torque)
 
     def update(self, set_point: float, period: float) -> float:
         """Take a set-point and return the mean torque; see `DriveActuator.update`."""

@@ -110,7 +110,14 @@ class WheelModule:
     def start_at(self, angle: float) -> None:
         """Take over a wheel that points somewhere [rad]; once it acts, it knows by itself."""
         if self._now is None:
-            self._steer.start_at(angle)
+            self._steer.rest_at(angle)
+
+    def rest(self) -> None:
+        """Begin anew, from where the wheel points then, without torque: what was commanded before is forgotten."""
+        self._commands.forget()
+        self._trims.forget()
+        self._new_command = self._new_trim = self._held_angle = self._now = None
+        self._drive.rest_at(0.0)
 
     def command(self, command: Setpoint) -> None:
         """Take a set-point; one with NaN or inf is refused and the last good one kept."""

@@ -1,11 +1,14 @@
 """The component of a wheel module: who it misses, and what it does not let through."""
 
+import math
+
 import pytest
 
 from omni_vehicle_ros.components.joints import module_joints
 from omni_vehicle_ros.components.wheel_module import WheelModule
-from omni_vehicle_ros.messages import Diagnostics
+from omni_vehicle_ros.messages import Diagnostics, Joints
 from omni_vehicle_ros.parameters import WheelModuleParameters
+from omni_vehicle_ros.wheels import WHEELS
 
 STEP, SECOND = 5_000_000, 1_000_000_000
 WHEEL = 'rear_left'
@@ -80,3 +83,40 @@ def test_malformed_trims_between_good_ones_do_not_flap():
     assert [level for _, level, _ in said] == [0] + [1] * (len(said) - 1)
     assert len(said) <= 4
     assert 'needs position, velocity and effort' in said[1][2]
+
+
+def test_a_module_that_falls_back_holds_its_angle_without_torque_and_begins_anew_from_where_the_wheel_is():
+    """The wheel may have been moved meanwhile; the torque builds up from 0 by the lag of the drive."""
+    module = WheelModule(WHEEL, WheelModuleParameters(), 0.005, 0.2, trimmed=False)
+
+    def cycle(stamp, measured, torque):
+        joints = [0.0] * 8
+        joints[2] = measured
+        names = tuple(f'{wheel}_{joint}' for joint in ('steer', 'drive') for wheel in WHEELS)
+        beat = Joints(stamp, names, *[tuple(joints)] * 3)
+        module.receive('joint_states', beat, stamp)
+        module.receive(f'{WHEEL}/command', module_joints(WHEEL, stamp, (measured, 0.0), (0.0, torque)), stamp)
+        return module.step(stamp)
+
+    for k in range(200):
+        *_, (_, state) = cycle(k * STEP, 0.1, 300.0)
+    assert state.effort[1] == pytest.approx(300.0)
+    said, (topic, state) = module.fall_back(200 * STEP)
+    assert topic == f'{WHEEL}/state'
+    assert (state.position[0], state.velocity[0], state.effort[1]) == (0.1, 0.0, 0.0)
+    assert said.value.statuses[0].level == 2
+    assert said.value.statuses[0].message == (
+        'no joint_states from plant for module_timeout, 0.1 s: angle held, no torque'
+    )
+    *_, (_, state) = cycle(600 * STEP, -0.2, 300.0)
+    assert state.position[0] == -0.2
+    # Mean over one cycle of a lag of 0.05 s from rest.
+    assert state.effort[1] == pytest.approx(300.0 * (1.0 - (1.0 - math.exp(-0.1)) / 0.1))
+
+
+def test_a_module_that_has_fallen_back_does_not_act_on_what_it_heard_before():
+    module = WheelModule(WHEEL, WheelModuleParameters(), 0.005, 0.2, trimmed=False)
+    module.receive(f'{WHEEL}/command', module_joints(WHEEL, STEP, (0.3, 0.0), (0.0, 300.0)), STEP)
+    module.fall_back(STEP)
+    *_, (_, state) = module.step(2 * STEP)
+    assert state.effort[1] == state.velocity[0] == 0.0
