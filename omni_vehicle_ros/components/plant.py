@@ -55,6 +55,11 @@ class Plant:
         form; the angles of the modules are their set-points then.
     steering
         Gives range and fastest turn of a wheel whose motor is off.
+
+    Attributes
+    ----------
+    values
+        Names and values that its diagnostics show beside how it does.
     """
 
     beat = ''
@@ -73,6 +78,7 @@ class Plant:
         self.name = name
         self.period = round(plant.control_period * 1e9)
         self.end: int | None = None
+        self.values: tuple[tuple[str, str], ...] = ()
         self._vehicle, self._plant = vehicle, plant
         self._publish_clock = publish_clock
         self._slip_gain = slip_gain
@@ -262,7 +268,7 @@ class Plant:
         lifted = [wheel for wheel, up in zip(WHEELS, now.lifted, strict=True) if up]
         if lifted:
             notes.append((WARN, f'rollover warning: no load on {", ".join(lifted)}'))
-        return health(notes, 'driving')
+        return health(notes, 'driving', self.values)
 
 
 _WHEEL_OF = {topic: wheel for wheel, topic in enumerate(Plant.sources)}

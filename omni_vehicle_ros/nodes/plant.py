@@ -167,6 +167,8 @@ class PlantNode(Shell):
         self._states.update((topic, stamp) for topic, stamp in self._came.items() if topic not in blocked)
         oldest = self.now - self._state_timeout
         missing = tuple(topic for topic, stamp in self._states.items() if stamp < oldest)
+        counted = self._punctuality
+        self._plant.values = ('cycles', str(counted.cycles)), ('missed', str(counted.missed))
         self.publish(self._plant.step(self.now, missing))
         self._due = max(self._due + self._tick, time.monotonic() - self._tick)
         late = self._lateness.look(self._opened)

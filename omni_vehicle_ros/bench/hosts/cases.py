@@ -1,7 +1,9 @@
 """What a network may do to a vehicle on several hosts, and what comes of it."""
 
+import re
 import tempfile
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,18 +12,20 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from omni_vehicle_ros.analysis.signals import Array
-from omni_vehicle_ros.bags import open_bag, read_messages
+from omni_vehicle_ros.bags import open_bag
 from omni_vehicle_ros.bench.hosts.switch import Disturbance
-from omni_vehicle_ros.bench.hosts.vehicle import SpreadVehicle, latest_diagnostics, spread_vehicle
-from omni_vehicle_ros.interface import ICR_STEERING, SIDE_SLIP_CONTROLLER, WHEEL_MODULES
-from omni_vehicle_ros.messages import Diagnostics, decode
+from omni_vehicle_ros.bench.hosts.vehicle import SpreadVehicle, spread_vehicle, statuses
+from omni_vehicle_ros.control.health import OK
+from omni_vehicle_ros.interface import ICR_STEERING, PLANT, SIDE_SLIP_CONTROLLER, WHEEL_MODULES
+from omni_vehicle_ros.messages import Status
 from omni_vehicle_ros.scenarios.scenario import Scenario, make_scenario
 from omni_vehicle_ros.simulation import simulate
 from omni_vehicle_ros.wheels import WHEELS
 
 RADIUS, SPEED = 10.0, 3.0
-EVENT, DOWN, DURATION = 3.0, 2.0, 8.0
-"""When a cable is pulled or a host dies, for how long a pulled cable is out, and when a drive ends [s]."""
+SETTLED, EVENT, DOWN, DURATION = 1.5, 4.0, 2.0, 12.0
+"""From when on is counted what the start had no part in; when a cable is pulled or a host dies, for how long a pulled
+cable is out, and when a drive ends [s]."""
 GAINS = [2.0, 2.0, 0.0, 0.0]
 """Of side-slip control: stable at all periods that are driven."""
 JITTER = 0.2
@@ -46,30 +50,39 @@ class Outcome(NamedTuple):
 
     Attributes
     ----------
-    punctual
-        See `Punctuality.figures`.
+    cycles, missed
+        From `SETTLED` to the end: how many there were, and in how many not all four modules answered in time.
+    answer
+        Median of the time from a tick to the answer of a module [s]; NaN if there was none.
     deviation
         Largest distance from the path of an undisturbed drive [m].
-    passive
-        Wheels that the plant has called passive.
     speed
         At the end [m/s].
     said
-        What ICR steering said last.
+        What the nodes said that is wrong, from `SETTLED` on; see `complaints`.
+    frames, load
+        Frames a second that the switch forwarded, and the share of a core that it took.
     """
 
-    punctual: dict[str, Any]
+    cycles: int
+    missed: int
+    answer: float
     deviation: float
-    passive: tuple[str, ...]
     speed: float
-    said: str
+    said: tuple[str, ...]
+    frames: float
+    load: float
 
 
-def unplug(vehicle: SpreadVehicle) -> None:
-    """Pull the cable of the front left wheel module, and plug it in again after `DOWN`."""
-    vehicle.hosts.cut(WHEEL_MODULES[0])
-    vehicle.drive(EVENT + DOWN)
-    vehicle.hosts.cut()
+def unplug(host: str) -> Act:
+    """Return what pulls the cable of a host, and plugs it in again after `DOWN`."""
+
+    def event(vehicle: SpreadVehicle) -> None:
+        vehicle.hosts.cut(host)
+        vehicle.drive(EVENT + DOWN)
+        vehicle.hosts.cut()
+
+    return event
 
 
 CASES = (
@@ -79,7 +92,8 @@ CASES = (
         Case(f'{delay:g} ms under way, ± {100 * JITTER:g} %', Disturbance(0.0, 1e-3 * delay, JITTER))
         for delay in (1, 5, 10, 20)
     ),
-    Case(f'cable of the front left module out for {DOWN:g} s', event=unplug),
+    Case(f'cable of the front left module out for {DOWN:g} s', event=unplug(WHEEL_MODULES[0])),
+    Case(f'cable of the plant out for {DOWN:g} s', event=unplug(PLANT)),
     Case('host of the front left module gone', event=lambda vehicle: vehicle.kill(WHEEL_MODULES[0])),
     Case('host of `side_slip_controller` gone', event=lambda vehicle: vehicle.kill(SIDE_SLIP_CONTROLLER)),
     Case('host of `icr_steering` gone', event=lambda vehicle: vehicle.kill(ICR_STEERING)),
@@ -92,7 +106,8 @@ def circle(period: float, duration: float) -> Scenario:
         'duration': duration,
         'side_slip_control': True,
         'command_period': 0.1,
-        'side_slip': {'proportional_gains': GAINS},
+        'steering': {'fault_reaction': False},
+        'side_slip': {'proportional_gains': GAINS, 'fault_reaction': False},
         'plant': {'control_period': period},
         'commands': [{'at': 0.0, 'icr': [0.0, RADIUS], 'speed': SPEED}],
     })
@@ -108,24 +123,60 @@ def drive(case: Case, period: float) -> Outcome:
     """
     with tempfile.TemporaryDirectory() as folder:
         with spread_vehicle(Path(folder), circle(period, 3600.0)) as vehicle:
+            before = vehicle.hosts.switch.forwarded
             vehicle.hosts.switch.disturbance = case.disturbance
             vehicle.drive(EVENT)
             case.event(vehicle)
             vehicle.drive(DURATION)
+            frames = (vehicle.hosts.switch.forwarded - before) / DURATION
             vehicle.hosts.switch.disturbance = Disturbance()
             punctual = vehicle.stop()
-        return outcome(vehicle, punctual, period)
+        return outcome(vehicle, punctual, period, frames)
 
 
-def outcome(vehicle: SpreadVehicle, punctual: dict[str, Any], period: float) -> Outcome:
-    """Return what came of a drive that has ended."""
+def outcome(vehicle: SpreadVehicle, punctual: dict[str, Any], period: float, frames: float) -> Outcome:
+    """Return what came of a drive that has ended, of which the switch forwarded so many frames a second."""
     odom = open_bag(vehicle.bag)['odom']
+    driven = odom.stamp <= vehicle.began + DURATION
+    x, y = odom.x[driven], odom.y[driven]
+    said = [
+        status for stamp, status in statuses(vehicle.bag)
+        if vehicle.began + SETTLED <= stamp <= vehicle.began + DURATION
+    ]
+    answer = punctual['answer']
     return Outcome(
-        punctual,
-        float(np.max(distances(np.column_stack([odom.x, odom.y]), path(period)))),
-        passive_wheels(vehicle.bag, vehicle.began),
-        float(np.hypot(odom.vx[-1], odom.vy[-1])),
-        latest_diagnostics(vehicle.bag).get(f'/{ICR_STEERING}', ''),
+        *counted(said),
+        answer['p50'] if answer else float('nan'),
+        float(np.max(distances(np.column_stack([x, y]), path(period)))),
+        float(np.hypot(odom.vx[driven][-1], odom.vy[driven][-1])),
+        complaints(said),
+        frames,
+        vehicle.hosts.switch.load,
+    )
+
+
+def counted(said: Iterable[Status]) -> tuple[int, int]:
+    """Return how many cycles the plant counted from the first to the last of its statuses, and missed ones."""
+    counts = [dict(status.values) for status in said if status.name == f'/{PLANT}' and status.values]
+    first, last = counts[0], counts[-1]
+    return int(last['cycles']) - int(first['cycles']), int(last['missed']) - int(first['missed'])
+
+
+def complaints(said: Iterable[Status]) -> tuple[str, ...]:
+    """Return who said what that is wrong, each once and without its numbers, in the order of their first times.
+
+    What concerned several wheels is said of ``<wheel>``.
+    """
+    found: defaultdict[str, set[str]] = defaultdict(set)
+    for status in said:
+        for note in status.message.split('; ') if status.level > OK else ():
+            text = f'{status.name[1:]}: {re.split(", |: ", note)[0]}'
+            wheels = [wheel for wheel in WHEELS if wheel in text]
+            for wheel in wheels:
+                text = text.replace(wheel, '<wheel>')
+            found[text].update(wheels)
+    return tuple(
+        text.replace('<wheel>', next(iter(wheels))) if len(wheels) == 1 else text for text, wheels in found.items()
     )
 
 
@@ -145,15 +196,3 @@ def path(period: float) -> Array:
 def distances(points: Array, line: Array) -> Array:
     """Return how far each of n points is from the nearest one of a line; n x 2 and m x 2 [m]."""
     return np.asarray(KDTree(line).query(points)[0])
-
-
-def passive_wheels(bag: Path, began: float) -> tuple[str, ...]:
-    """Return the wheels that the plant has called passive, from a simulated time on [s]."""
-    found: set[str] = set()
-    for message in read_messages(bag):
-        if message.topic == '/diagnostics':
-            said: Diagnostics = decode(message.type_name, message.data)
-            for status in said.statuses:
-                if status.name == '/plant' and 'no answer' in status.message and said.stamp > 1e9 * (began + 0.5):
-                    found.update(wheel for wheel in WHEELS if f'{wheel}/wheel_module' in status.message)
-    return tuple(wheel for wheel in WHEELS if wheel in found)

@@ -56,6 +56,8 @@ class Switch(threading.Thread):
         Ports whose cable is cut.
     forwarded, lost
         Frames so far.
+    load
+        Share of a core that it took, when it has ended.
     """
 
     def __init__(self, ports: Sequence[int], seed: int = 0) -> None:
@@ -63,6 +65,7 @@ class Switch(threading.Thread):
         self.disturbance = Disturbance()
         self.cut: frozenset[int] = frozenset()
         self.forwarded = self.lost = 0
+        self.load = 0.0
         self._ports = tuple(ports)
         self._random = random.Random(seed)
         self._where: dict[bytes, int] = {}
@@ -73,12 +76,14 @@ class Switch(threading.Thread):
 
     def run(self) -> None:
         """Forward until `close`."""
+        begun = time.monotonic()
         while not self._ended:
             self._deliver()
             wait = self._due[0][0] - time.monotonic() if self._due else IDLE
             ready, _, _ = select.select(self._ports, (), (), min(max(wait, 0.0), IDLE))
             for port in ready:
                 self._take(port)
+        self.load = time.thread_time() / (time.monotonic() - begun)
 
     def close(self) -> None:
         """End, and wait for that."""

@@ -12,7 +12,7 @@ from omni_vehicle_ros.bench.hosts.network import Hosts, joined_hosts
 from omni_vehicle_ros.errors import BagError, RunError
 from omni_vehicle_ros.graph import node_parameters
 from omni_vehicle_ros.interface import DRIVER, NODES, PLANT, RECORDER
-from omni_vehicle_ros.messages import Diagnostics, decode
+from omni_vehicle_ros.messages import Diagnostics, Status, decode
 from omni_vehicle_ros.parameters import PacingParameters
 from omni_vehicle_ros.processes import Processes
 from omni_vehicle_ros.scenarios import Scenario
@@ -20,7 +20,7 @@ from omni_vehicle_ros.scenarios import Scenario
 HOSTS = tuple(role for role in NODES if role not in (DRIVER, RECORDER))
 ENVIRONMENT = ('env', 'ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET', 'FASTDDS_BUILTIN_TRANSPORTS=UDPv4')
 """Of all nodes. Namespaces share /dev/shm, which hosts do not: without shared memory there is only the network."""
-START_LIMIT = 60.0
+LIMIT = 60.0
 LOOK_PERIOD = 0.3
 
 
@@ -61,9 +61,9 @@ class SpreadVehicle:
         """
         for role in (*HOSTS[1:], RECORDER, PLANT):
             self._spawn(role)
-        self._until(self._drives, 'all nodes')
+        self.until(self._drives, 'all nodes')
         self._spawn(DRIVER)
-        self._until(lambda: self._now > 0.0, 'the driver')
+        self.until(lambda: self._now > 0.0, 'the driver')
         self.began = self._now
 
     def _spawn(self, role: str) -> None:
@@ -77,15 +77,22 @@ class SpreadVehicle:
 
     def _drives(self) -> bool:
         """Whether every node has said that it is there, and the plant that it has all its wheels."""
-        said = latest_diagnostics(self.bag)
+        said = {status.name: status.message for _, status in statuses(self.bag)}
         return said.get('/plant', '') == 'driving' and all(f'/{role}' in said for role in (*HOSTS, RECORDER))
 
-    def _until(self, condition: Callable[[], bool], what: str) -> None:
-        end = time.monotonic() + START_LIMIT
+    def until(self, condition: Callable[[], bool], what: str) -> None:
+        """Wait for something that the nodes bring about.
+
+        Raises
+        ------
+        RunError
+            It does not come about in `LIMIT`, or a node ends.
+        """
+        end = time.monotonic() + LIMIT
         while not condition():
             self._read(LOOK_PERIOD)
             if time.monotonic() > end:
-                raise RunError(f'waited {START_LIMIT:g} s in vain for {what} of the vehicle on several hosts')
+                raise RunError(f'waited {LIMIT:g} s in vain for {what} of the vehicle on several hosts')
 
     def drive(self, duration: float) -> None:
         """Wait until the driver has driven for that long [s], since it began."""
@@ -130,12 +137,10 @@ def spread_vehicle(directory: Path, scenario: Scenario) -> Iterator[SpreadVehicl
             vehicle.stop()
 
 
-def latest_diagnostics(bag: Path) -> dict[str, str]:
-    """Return the last text of each node in a bag that may still be written."""
-    said: dict[str, str] = {}
+def statuses(bag: Path) -> Iterator[tuple[float, Status]]:
+    """Yield what the nodes said of themselves, and when [s]; the bag may still be written."""
     with contextlib.suppress(BagError):
         for message in read_messages(bag):
             if message.topic == '/diagnostics':
-                found: Diagnostics = decode(message.type_name, message.data)
-                said.update((status.name, status.message) for status in found.statuses)
-    return said
+                said: Diagnostics = decode(message.type_name, message.data)
+                yield from ((1e-9 * said.stamp, status) for status in said.statuses)

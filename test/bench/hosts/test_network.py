@@ -9,6 +9,7 @@ import textwrap
 import pytest
 
 from omni_vehicle_ros.bench.hosts.network import joined_hosts, refusal, remove_stale
+from omni_vehicle_ros.errors import RunError
 
 NAMES = ('one', 'two')
 
@@ -71,3 +72,9 @@ def test_hosts_of_a_killed_process_are_removed_by_the_next() -> None:
     assert len(spaces(holder.pid)) == 2
     remove_stale()
     assert spaces(holder.pid) == []
+
+
+def test_who_may_not_make_hosts_is_told_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, 'geteuid', lambda: 1000)
+    with pytest.raises(RunError, match='network namespaces need root'), joined_hosts(NAMES):
+        pass
