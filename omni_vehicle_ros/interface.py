@@ -52,6 +52,8 @@ class Topic(NamedTuple):
         What it says, and what each field means.
     cyclic
         Whether there is one message in every control cycle.
+    repeated
+        Whether it is said again and again as long as it is to hold.
     recorded
         Whether the recorder writes it.
     example
@@ -67,6 +69,7 @@ class Topic(NamedTuple):
     fields: tuple[tuple[str, str], ...]
     frame: str = ''
     cyclic: bool = False
+    repeated: bool = False
     recorded: bool = True
     example: str = ''
 
@@ -132,7 +135,7 @@ TOPICS: tuple[Topic, ...] = (
             ('point.x, point.y', 'ICR ahead of and to the left of the centre of gravity [m]; farther away than '
              'straight_radius (1e5 m): straight on if it lies across, else crab across its bearing'),
             ('point.z', 'not used'),
-        ), BASE_FRAME,
+        ), BASE_FRAME, repeated=True,
         example='{header: {frame_id: base_link}, point: {x: 0.0, y: 8.0}}',
     ),
     Topic(
@@ -143,7 +146,7 @@ TOPICS: tuple[Topic, ...] = (
             ('header.frame_id', 'base_link, or empty'),
             ('twist.linear.x', 'signed speed of the centre of gravity [m/s]'),
             ('the rest', 'not used'),
-        ), BASE_FRAME,
+        ), BASE_FRAME, repeated=True,
         example='{header: {frame_id: base_link}, twist: {linear: {x: 2.0}}}',
     ),
     Topic(
@@ -155,21 +158,21 @@ TOPICS: tuple[Topic, ...] = (
             ('wrench.force.x', 'total traction force (+) or brake force (-) [N]; a brake never drives backwards'),
             ('wrench.torque.z', 'yaw moment by more traction on one side than on the other [N m]'),
             ('the rest', 'not used'),
-        ), BASE_FRAME,
+        ), BASE_FRAME, repeated=True,
         example='{header: {frame_id: base_link}, wrench: {force: {x: 500.0}}}',
     ),
     Topic(
         'cmd_vel', 'geometry_msgs/msg/TwistStamped', COMMAND, (DRIVER, ANYONE), (ICR_STEERING,),
         'Body twist, for Nav2 and other autonomy, in place of driver/icr and driver/speed: crab and spin in place '
         'included. Ignored while driver/speed, driver/traction or teleop/cmd_vel is fresh.',
-        _TWIST_FIELDS, BASE_FRAME,
+        _TWIST_FIELDS, BASE_FRAME, repeated=True,
         example='{header: {frame_id: base_link}, twist: {linear: {x: 1.0, y: 1.0}, angular: {z: 0.2}}}',
     ),
     Topic(
         'teleop/cmd_vel', 'geometry_msgs/msg/TwistStamped', COMMAND, (DRIVER, ANYONE), (ICR_STEERING,),
         'The same from a hand: as long as it comes, cmd_vel is ignored. The latest of this, driver/speed and '
         'driver/traction holds.',
-        _TWIST_FIELDS, BASE_FRAME,
+        _TWIST_FIELDS, BASE_FRAME, repeated=True,
         example='{header: {frame_id: base_link}, twist: {linear: {x: 1.0}}}',
     ),
     Topic(

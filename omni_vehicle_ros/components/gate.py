@@ -17,9 +17,13 @@ class Gate:
         Topics that answer in every cycle.
     previous
         Topics whose answers to a cycle belong to the next one. None is awaited in the first cycle.
+    patient
+        Whether a lost source is awaited again with any answer, so that it can catch up; else only with one to the
+        latest cycle. Sources that are always late by a cycle would keep an impatient component waiting for ever.
     """
 
-    def __init__(self, sources: Iterable[str], previous: Iterable[str] = ()) -> None:
+    def __init__(self, sources: Iterable[str], previous: Iterable[str] = (), *, patient: bool = True) -> None:
+        self._patient = patient
         self.lost: set[str] = set()
         previous = tuple(previous)
         self._previous = set(previous)
@@ -57,9 +61,11 @@ class Gate:
             self._earlier[source] = stamp
         else:
             self._answered[source] = stamp
-            self.lost.discard(source)
+            if self._patient or stamp >= self._latest:
+                self.lost.discard(source)
             if self._open is not None:
-                (self._awaited.add if self._lacks(source) else self._awaited.discard)(source)
+                awaited = self._lacks(source) and source not in self.lost
+                (self._awaited.add if awaited else self._awaited.discard)(source)
 
     def hear(self, topic: str, stamp: int) -> None:
         """Note a message: an answer for ``stamp`` [ns], or one that may be announced."""

@@ -126,9 +126,11 @@ class Shell(ManagedNode):
         self.connect()
         for row in self.topics():
             if self.subscribes(row.name) and row.name != 'ready':
-                # In real time a message that was lost is out of date before it could be sent again. In lock step none
-                # is lost in shared memory: fewer are on the way than it holds.
-                reliable = not row.cyclic or (self.lockstep and not on_this_machine())
+                # In real time the next message is there before one that was lost could be sent again, and what is sent
+                # again holds up those behind it. In lock step none is lost in shared memory: fewer are on the way than
+                # it holds.
+                again = not (row.cyclic or (row.repeated and not self.lockstep))
+                reliable = again or (self.lockstep and not on_this_machine())
                 if row.name == interface.EMERGENCY_STOP:
                     earlier = Earlier(self._decoder(row, self._heed), self._decoder(row, self._inbox.put))
                     self.subscribe(row, earlier.hear, always=True)
@@ -179,7 +181,7 @@ class Shell(ManagedNode):
         sources = self._sources
         if self.lockstep and interface.DRIVER in self.pacing.participants and self.subscribes('driver/step'):
             sources = (*sources, 'driver/step')
-        self.gate = Gate(sources, self._previous)
+        self.gate = Gate(sources, self._previous, patient=self.lockstep)
         self._opened = self._activated = time.monotonic()
         rows = self.topics()
         publishers = [outlet.publisher for outlet in self.outlets.values()]

@@ -164,3 +164,36 @@ def test_what_only_waits_to_be_fetched_is_known():
     assert gate.awaits_only({'a'})
     gate.hear('a', 1)
     assert not gate.awaits_only({'a'})
+
+
+def test_who_is_always_late_keeps_nobody_waiting_who_is_not_patient() -> None:
+    """Two answers to a cycle, one in time and one after the next beat: each cycle is acted on, without the late one."""
+    gate, acted = Gate(['command', 'trim'], patient=False), []
+
+    def act() -> None:
+        if gate.ready() is not None:
+            acted.append((gate.ready(), gate.missing()))
+            gate.close()
+
+    for k in range(1, 100):
+        gate.open(k)
+        act()
+        if k > 1:
+            gate.answer('trim', k - 1)
+            act()
+        gate.answer('command', k)
+        act()
+    assert acted == [(k, ('trim',)) for k in range(2, 100)]
+
+
+def test_who_is_in_time_again_is_waited_for_again() -> None:
+    gate = Gate(['a'], patient=False)
+    gate.open(1)
+    gate.open(2)
+    assert gate.ready() == 2
+    gate.close()
+    gate.answer('a', 2)
+    gate.open(3)
+    assert gate.ready() is None
+    gate.answer('a', 3)
+    assert gate.ready() == 3

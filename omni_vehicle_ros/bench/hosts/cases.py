@@ -31,6 +31,8 @@ GAINS = [2.0, 2.0, 0.0, 0.0]
 JITTER = 0.2
 RESOLUTION = 0.001
 """Distance of the points of the path that others are held against [m]."""
+NUMBERS = re.compile(r': |, (?=[-\d]|at )')
+"""Where in a diagnostic values and consequences begin."""
 LAP = 30.0
 """More than the vehicle takes to come round [s]."""
 
@@ -170,10 +172,11 @@ def complaints(said: Iterable[Status]) -> tuple[str, ...]:
     found: defaultdict[str, set[str]] = defaultdict(set)
     for status in said:
         for note in status.message.split('; ') if status.level > OK else ():
-            text = f'{status.name[1:]}: {re.split(", |: ", note)[0]}'
+            text = f'{status.name[1:]}: {NUMBERS.split(note)[0]}'
             wheels = [wheel for wheel in WHEELS if wheel in text]
             for wheel in wheels:
                 text = text.replace(wheel, '<wheel>')
+            text = re.sub(r'(<wheel>[^ ,]*)(, <wheel>[^ ,]*)+', r'\1', text)
             found[text].update(wheels)
     return tuple(
         text.replace('<wheel>', next(iter(wheels))) if len(wheels) == 1 else text for text, wheels in found.items()

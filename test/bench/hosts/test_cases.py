@@ -25,6 +25,9 @@ def test_what_is_wrong_is_named_once_with_its_wheel_if_it_is_but_one() -> None:
         '<wheel>/wheel_module: <wheel>/trim comes twice',
         'front_right/wheel_module: no command for module_timeout',
     )
+    assert complaints([Status(2, '/plant', 'no answer from rear_left/state, rear_right/state: no torque')]) == (
+        'plant: no answer from <wheel>/state',
+    )
 
 
 def test_distances_are_those_to_the_nearest_point() -> None:
