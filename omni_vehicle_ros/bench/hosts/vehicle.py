@@ -20,7 +20,7 @@ from omni_vehicle_ros.scenarios import Scenario
 HOSTS = tuple(role for role in NODES if role not in (DRIVER, RECORDER))
 ENVIRONMENT = ('env', 'ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET', 'FASTDDS_BUILTIN_TRANSPORTS=UDPv4')
 """Of all nodes. Namespaces share /dev/shm, which hosts do not: without shared memory there is only the network."""
-LIMIT = 60.0
+LIMIT = 120.0
 LOOK_PERIOD = 0.3
 
 
