@@ -90,6 +90,7 @@ def results_table(scenario: Scenario, result: RunResult) -> None:
         *_unsteady(metrics['steady']),
         f'{result.messages} messages, {result.lost} lost; '
         f'{result.rate:.1f} x real time after {result.start:.1f} s to start',
+        *restart_lines(result.restarts),
         *complaints(result.directory),
         f'bag     {result.directory / "bag"}',
         f'report  {result.directory / "report.html"}',
@@ -113,6 +114,11 @@ def limit_table(found: 'TurnMap') -> None:
         marks = map(_number, (path, grip_speed, slide_speed))
         table.add_row(_number(column.radius), *limit, cause or '-', *marks)
     Console(soft_wrap=True).print(table)
+
+
+def restart_lines(restarts: Mapping[str, int]) -> list[str]:
+    """Return which nodes were started again, and how often."""
+    return [f'{role} died and was started again, {count} x' for role, count in restarts.items()]
 
 
 def complaints(directory: Path) -> list[str]:

@@ -22,6 +22,12 @@ from omni_vehicle_ros.scenarios.parameter_file import parameter_file
 WATCH_PERIOD = 0.1
 LOAD_PERIOD = 0.5
 
+RESTARTS = 5
+"""How often a node is started again that died."""
+
+REFUSED = 2
+"""Exit code of a node that has said why it does not work; it would say the same again."""
+
 
 class Graph:
     """The processes of one vehicle.
@@ -40,11 +46,16 @@ class Graph:
         As in :func:`omni_vehicle_ros.run.run_scenario`.
     fault_injection
         Whether the nodes take faults.
+    restart
+        Whether nodes that die are started again, up to `RESTARTS` times each. The plant is not, which is the world,
+        nor the recorder, whose bag ends with it.
 
     Attributes
     ----------
     interrupted
         Number of the signal that ended the run, or 0.
+    restarts
+        How often each node was started again that was.
     messages, lost, dead
         As in :class:`omni_vehicle_ros.run.RunResult`.
     real_time
@@ -64,8 +75,11 @@ class Graph:
         publish_clock: bool = True,
         commands: Path | None = None,
         fault_injection: bool = False,
+        restart: bool = False,
     ) -> None:
         self.interrupted = 0  # or the number of the signal
+        self.restarts: dict[str, int] = {}
+        self._restart = restart
         self.messages, self.lost = 0, 0
         self.dead: dict[str, str] = {}
         self.real_time: dict[str, Any] = {}
@@ -116,12 +130,15 @@ class Graph:
             self._spawn('vehicle', 'vehicle', options, '')
             return
         for role in self._participants:
-            wheel, _, _ = role.rpartition('/')
-            self._spawn(role, role.split('/')[-1], [], resolve(wheel, self._namespace))
+            self._spawn_node(role)
 
-    def _spawn(self, role: str, executable: str, options: list[str], namespace: str) -> None:
+    def _spawn_node(self, role: str, *arguments: str) -> None:
+        wheel, _, executable = role.rpartition('/')
+        self._spawn(role, executable, [], resolve(wheel, self._namespace), *arguments)
+
+    def _spawn(self, role: str, executable: str, options: list[str], namespace: str, *arguments: str) -> None:
         remap = ['-r', f'__ns:={namespace}'] if namespace else []
-        options = [*options, '--ros-args', '--params-file', str(self._parameters), *remap]
+        options = [*options, '--ros-args', '--params-file', str(self._parameters), *remap, *arguments]
         # The recorder works beside those who take turns.
         core = None if role == RECORDER else self._core.number
         self.processes.spawn(role, f'nodes.{executable}', options, core=core)
@@ -136,18 +153,27 @@ class Graph:
                 if role == last and code == 0:
                     self.read(self.processes.lines(0.0), progress)
                     return
-                self._note_death(role)
+                self._note_death(role, code)
 
-    def _note_death(self, role: str) -> None:
-        """Go on without a node that the others can do without; those who miss it name it on /diagnostics.
+    def _note_death(self, role: str, code: int) -> None:
+        """Start a node again; or go on without it, if the others can, and those who miss it name it on /diagnostics.
 
         One that a fault of the scenario kills has not ended before its time.
         """
-        if role in self._doomed:
+        if self._may_restart(role, code):
+            self.restarts[role] = self.restarts.get(role, 0) + 1
+            self._begun = None  # what a process takes is measured from here on
+            self._spawn_node(role, *(('-p', 'restarted:=true') if role == DRIVER else ()))
+            return
+        if role in self._doomed and role not in self.restarts:
             return
         if role in (PLANT, DRIVER, RECORDER, 'vehicle') or not self._moving:
             raise RunError(self.processes.last_words(role))
         self.dead.setdefault(role, self.processes.last_words(role))
+
+    def _may_restart(self, role: str, code: int) -> bool:
+        lasting = role in (PLANT, RECORDER, 'vehicle') or code == REFUSED or not self._moving
+        return self._restart and not lasting and self.restarts.get(role, 0) < RESTARTS
 
     def read(self, lines: list[str], progress: Callable[[float], None]) -> None:
         """Take what the nodes print: the time from the driver, the count from the recorder."""

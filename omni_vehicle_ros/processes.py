@@ -48,11 +48,14 @@ class Processes:
         """Start the ``main`` of a module, in a session of its own: a Ctrl-C in the terminal is for us to pass on.
 
         It inherits held signals, and lets them through when it can handle them. In lock step it stays on ``core``.
-        ``prefix`` are words before the command, of a program that becomes it.
+        ``prefix`` are words before the command, of a program that becomes it. It takes the place of one of this role
+        that has ended, and goes on with its log.
         """
         hold_signals()
         try:
-            with self._log(role).open('wb') as log:
+            if role in self._processes:
+                self._forget(self._processes[role])
+            with self._log(role).open('ab') as log:
                 process = subprocess.Popen(
                     [*prefix, sys.executable, '-c', BOOT, module, *arguments],
                     stdin=subprocess.DEVNULL,
@@ -67,6 +70,13 @@ class Processes:
             self._selector.register(process.stdout, selectors.EVENT_READ, role)
         finally:
             release_signals()
+
+    def _forget(self, ended: 'subprocess.Popen[bytes]') -> None:
+        """Listen no more to a process that has ended."""
+        if ended.stdout is not None:
+            if ended.stdout in self._selector.get_map():
+                self._selector.unregister(ended.stdout)
+            ended.stdout.close()
 
     def lines(self, timeout: float) -> list[str]:
         """Return what was printed; wait for it for up to ``timeout`` [s]."""

@@ -61,6 +61,8 @@ class RunResult:
         How many messages were recorded, and how many were lost on the way (lock step) or not said in time (real time).
     dead
         A line for each node that ended before its time.
+    restarts
+        How often each node was started again that was.
     start, rate
         Wall time until the vehicle moved [s]; simulated time over wall time from then on.
     """
@@ -70,6 +72,7 @@ class RunResult:
     messages: int
     lost: int
     dead: tuple[str, ...]
+    restarts: Mapping[str, int]
     start: float
     rate: float
 
@@ -198,6 +201,7 @@ def run_scenario(
     namespace: str = '',
     publish_clock: bool = True,
     commands: Path | None = None,
+    restart: bool = False,
     progress: Progress = lambda time: None,
 ) -> RunResult:
     """Run a scenario and analyse it.
@@ -214,6 +218,8 @@ def run_scenario(
         Of the vehicle, and whether it owns /clock.
     commands
         Bag of a run whose commands and environment to play in place of the scenario's.
+    restart
+        Whether nodes that die are started again; see `omni_vehicle_ros.graph.Graph`.
     progress
         Called with the simulated time [s] now and then.
 
@@ -221,7 +227,7 @@ def run_scenario(
     ------
     RunError
         The directory exists, a node failed, an offline run was to keep real time, a command asks for what no wheel
-        reaches, or the side-slip loop would diverge.
+        reaches, the side-slip loop would diverge, or there are no processes to start again.
     BagError
         There are no commands in the bag.
     Interrupted
@@ -229,6 +235,8 @@ def run_scenario(
     """
     if mode == 'offline' and pacing == 'realtime':
         raise RunError('mode offline has no wall clock; choose --pacing lockstep, or --mode processes')
+    if restart and mode != 'processes':
+        raise RunError(f'--restart: starts processes again, and mode {mode} has none for its nodes; choose processes')
     check_commands(scenario)
     check_loop(scenario, mode)
     check_namespace(namespace)
@@ -244,6 +252,7 @@ def run_scenario(
         progress(0.0)
         watch = Stopwatch(progress)
         dead: tuple[str, ...] = ()
+        restarts: Mapping[str, int] = {}
         real_time: dict[str, Any] = {}
         if mode == 'offline':
             from omni_vehicle_ros.simulation import simulate
@@ -265,12 +274,13 @@ def run_scenario(
                 publish_clock=publish_clock,
                 commands=commands,
                 fault_injection=bool(takes_faults),
+                restart=restart,
             )
             _drive(graph, directory, scenario, watch.advance)
             messages, lost, dead = graph.messages, graph.lost, tuple(graph.dead.values())
-            real_time = graph.real_time
-        metrics = analyse(directory, scenario, real_time)
-        return RunResult(directory, metrics, messages, lost, dead, watch.start, watch.rate)
+            real_time, restarts = graph.real_time, graph.restarts
+        metrics = analyse(directory, scenario, real_time, restarts)
+        return RunResult(directory, metrics, messages, lost, dead, restarts, watch.start, watch.rate)
 
 
 def scenario_beside(bag: Path) -> Path:
@@ -336,6 +346,7 @@ def start_vehicle(
     namespace: str = '',
     publish_clock: bool = True,
     fault_injection: bool = False,
+    restart: bool = False,
 ) -> tuple[str, ...] | None:
     """Start the vehicle of a scenario in real time without a driver; record until a signal comes, then analyse.
 
@@ -368,6 +379,7 @@ def start_vehicle(
             namespace=namespace,
             publish_clock=publish_clock,
             fault_injection=fault_injection,
+            restart=restart,
         )
         graph.run(lambda time: None)
         ended = recorded_time(directory)
@@ -375,7 +387,7 @@ def start_vehicle(
             return None
         driven = replace(driven, duration=ended)
         (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
-        analyse(directory, driven, graph.real_time)
+        analyse(directory, driven, graph.real_time, graph.restarts)
     return tuple(graph.dead.values())
 
 
@@ -389,7 +401,12 @@ def recorded_time(directory: Path) -> float | None:
     return float(bag['odom'].stamp[-1]) if 'odom' in bag and len(bag['odom']) > 1 else None
 
 
-def analyse(directory: Path, scenario: Scenario, real_time: Mapping[str, Any] = _NOTHING) -> dict[str, Any]:
+def analyse(
+    directory: Path,
+    scenario: Scenario,
+    real_time: Mapping[str, Any] = _NOTHING,
+    restarts: Mapping[str, int] = _NOTHING,
+) -> dict[str, Any]:
     """Write metrics.json and report.html for the bag of a run; return the metrics.
 
     Parameters
@@ -398,8 +415,8 @@ def analyse(directory: Path, scenario: Scenario, real_time: Mapping[str, Any] = 
         Of the run.
     scenario
         What was run.
-    real_time
-        `Graph.real_time`, if there is something in it.
+    real_time, restarts
+        `Graph.real_time` and `Graph.restarts`, if there is something in them.
     """
     from omni_vehicle_ros.analysis import compute_metrics, write_report
     from omni_vehicle_ros.bags import open_bag
@@ -407,6 +424,8 @@ def analyse(directory: Path, scenario: Scenario, real_time: Mapping[str, Any] = 
     metrics = compute_metrics(open_bag(directory / 'bag'), scenario.vehicle)
     if real_time:
         metrics['real_time'] = dict(real_time)
+    if restarts:
+        metrics['restarts'] = dict(restarts)
     text = json.dumps(metrics, indent=2, allow_nan=False) + '\n'
     (directory / 'metrics.json').write_text(text, encoding='utf-8')
     write_report(directory)

@@ -1,5 +1,6 @@
 """Commands that drive a vehicle, or play again how it was driven."""
 
+import json
 import os
 import sys
 from pathlib import Path
@@ -7,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from omni_vehicle_ros.cli.options import ClockOwner, Namespace, Out, Settings, choose, results_directory
+from omni_vehicle_ros.cli.options import ClockOwner, Namespace, Out, Restart, Settings, choose, results_directory
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.run import MODES, PACINGS, RunResult, run_scenario, scenario_beside, start_vehicle
 from omni_vehicle_ros.scenarios import Scenario, load_scenario, scenario_directory, scenario_names
@@ -28,6 +29,7 @@ def run(
             help="Bag of a run whose commands and environment to play in place of the scenario's.",
         ),
     ] = None,
+    restart: Restart = False,
 ) -> None:
     """Run a scenario; leave a bag, metrics.json and report.html in DIR."""
     choose('--mode', mode, MODES)
@@ -35,7 +37,8 @@ def run(
     loaded = load_scenario(scenario, settings or [])
     directory = results_directory(out, loaded.name)
     run_to_the_end(
-        loaded, directory, mode=mode, pacing=pacing, namespace=namespace, publish_clock=clock, commands=commands
+        loaded, directory, mode=mode, pacing=pacing, namespace=namespace, publish_clock=clock, commands=commands,
+        restart=restart,
     )
 
 
@@ -59,6 +62,7 @@ def start(
     fault_injection: Annotated[
         bool, typer.Option('--fault-injection', help='Take faults, on the topic faults and by the parameters fault.*.')
     ] = False,
+    restart: Restart = False,
 ) -> None:
     """Start a vehicle in real time, for anyone to drive, and record it until Ctrl-C."""
     loaded = load_scenario(scenario, settings or [])
@@ -68,14 +72,15 @@ def start(
         flush=True,
     )
     dead = start_vehicle(
-        loaded, directory, namespace=namespace, publish_clock=clock, fault_injection=fault_injection
+        loaded, directory, namespace=namespace, publish_clock=clock, fault_injection=fault_injection, restart=restart
     )
     if dead is None:
         print('stopped before the vehicle was up: there is nothing to analyse', file=sys.stderr)
         return
-    from omni_vehicle_ros.console import complaints
+    from omni_vehicle_ros.console import complaints, restart_lines
 
-    for line in complaints(directory):
+    restarts = json.loads((directory / 'metrics.json').read_text(encoding='utf-8')).get('restarts', {})
+    for line in (*restart_lines(restarts), *complaints(directory)):
         print(line)
     print(f'bag     {directory / "bag"}\nreport  {directory / "report.html"}')
     if dead:

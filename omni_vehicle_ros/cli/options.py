@@ -25,6 +25,13 @@ ClockOwner = Annotated[
     bool, typer.Option('--clock/--no-clock', help='Whether this vehicle owns /clock; one of several does.')
 ]
 
+Restart = Annotated[
+    bool,
+    typer.Option(
+        '--restart', help='Start nodes again that die, up to 5 times each; not the plant, and not the recorder.'
+    ),
+]
+
 
 def results_directory(out: Path | None, name: str) -> Path:
     """Return where results go: what the user says, or a directory named after the work and the time."""

@@ -38,13 +38,18 @@ class Driver:
         To go by in place of the scenario's own.
     name
         Full name of the node, for diagnostics.
+    restarted
+        Whether another has driven before: the faults of cycles before its first one are not said again.
     """
 
     beat = 'joint_states'
     sources: tuple[str, ...] = ()
 
-    def __init__(self, scenario: Scenario, script: Script | None = None, *, name: str = '/driver') -> None:
+    def __init__(
+        self, scenario: Scenario, script: Script | None = None, *, name: str = '/driver', restarted: bool = False
+    ) -> None:
         self.name = name
+        self._restarted = restarted
         self.end = scenario.cycles * round(scenario.plant.control_period * 1e9)
         self._script: Script = script or DriverScript(scenario)
         self._period = round(scenario.plant.control_period * 1e9)
@@ -63,7 +68,10 @@ class Driver:
             said = sorted(self._script.messages(passed), key=lambda message: _ORDER[message[0]])
             if passed < cycle - CATCH_UP:
                 said = [message for message in said if message[0] not in _REPEATED]
+            if passed < cycle and self._restarted:
+                said = [message for message in said if message[0] != FAULTS]
             outputs += [Output(topic, value) for topic, value in said]
+        self._restarted = False
         self._next_cycle = max(self._next_cycle, cycle + 1)
         topics = tuple(output.topic for output in outputs if output.topic != '/diagnostics')
         outputs.append(Output('driver/step', Step(stamp, self.end, topics)))

@@ -31,7 +31,8 @@ class DriverNode(Shell):
         scenario = load_scenario(str(declare_plain(self, 'scenario', 'demo')))
         bag = str(declare_plain(self, 'commands', ''))
         script = RecordedCommands(Path(bag), scenario) if bag else None
-        self._driver = Driver(scenario, script, name=self.full_name)
+        restarted = bool(declare_plain(self, 'restarted', False))
+        self._driver = Driver(scenario, script, name=self.full_name, restarted=restarted)
         self._printed = 0.0
         self.attach(self._driver)
 
