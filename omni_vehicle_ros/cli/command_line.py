@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from omni_vehicle_ros import __version__
-from omni_vehicle_ros.cli import bags, benchmarks, driving, studies
+from omni_vehicle_ros.cli import bags, benchmarks, driving, faults, studies
 from omni_vehicle_ros.ending import ENDING, EXIT_SIGNAL
 from omni_vehicle_ros.errors import OmniVehicleError
 from omni_vehicle_ros.run import Interrupted
@@ -25,6 +25,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     'thesis': studies.thesis,
     'map': studies.draw_map,
     'sweep': studies.sweep,
+    'campaign': faults.campaign,
     'replay': driving.replay,
     'analyse': bags.analyse_bags,
     'export': bags.export_bag,

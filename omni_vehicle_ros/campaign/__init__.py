@@ -1,0 +1,1 @@
+"""Many short drives with random faults, each judged by what no fault may do."""
