@@ -105,11 +105,11 @@ def _found(findings: Sequence[Finding]) -> str:
     named, unnamed = (sum(f.after is not None for f in findings), sum(f.unnamed for f in findings))
     return (
         f'Of {len(findings)} faults in drives with a bag {named} were named by a diagnostic within the drive, '
-        f'{unnamed} had an effect and were not, and {len(findings) - named - unnamed} were not and had none: the true motion of '
-        f'the same drive with that fault alone, offline, stays within {PLACE:g} m, {SPEED:g} m/s and {ANGLE:g} rad of '
-        'that without faults. A diagnostic names a component if it has the name of its wheel, or of its topic or node, '
-        'and was not said before the fault. What a drive with two faults says of a wheel counts for both, if both are '
-        'of that wheel.'
+        f'{unnamed} had an effect and were not, and {len(findings) - named - unnamed} were not and had none: the true '
+        f'motion of the same drive with that fault alone, offline, stays within {PLACE:g} m, {SPEED:g} m/s and '
+        f'{ANGLE:g} rad of that without faults. A diagnostic names a component if it has the name of its wheel, or of '
+        'its topic or node, and was not said before the fault. What a drive with two faults says of a wheel counts '
+        'for both, if both are of that wheel.'
     )
 
 
