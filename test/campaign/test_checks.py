@@ -66,7 +66,7 @@ def test_a_bag_that_ends_early_is_named() -> None:
 def test_a_number_that_is_not_finite_is_found(number: float) -> None:
     kind = 'geometry_msgs/msg/PointStamped'
     messages = [
-        RecordedMessage('/driver/icr', kind, encode(kind, Point(0, 1.0, y)), 0) for y in (2.0, number, number)
+        RecordedMessage('/driver/icr', kind, 0, encode(kind, Point(0, 1.0, y))) for y in (2.0, number, number)
     ]
     assert not_finite(messages[:1]) == []
     assert not_finite(messages) == ['/driver/icr has a number that is not finite']

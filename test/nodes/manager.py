@@ -72,6 +72,10 @@ class Manager:
         """Whether a wheel points to one side by more than 0.08 rad."""
         return bool(self.joints.position) and sign * self.joints.position[wheel] > 0.08
 
+    def go(self, speed: float) -> None:
+        """Have the vehicle drive at a speed."""
+        self._speed.twist.linear.x = speed
+
     def turn(self, y: float) -> None:
         """Have the vehicle turn about a point beside it."""
         self.icr.point.y = y
