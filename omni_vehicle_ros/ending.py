@@ -1,4 +1,4 @@
-"""The signals that end a command or a node, and where they may come through."""
+"""The signals that end a command or a node, where they may come through, and the words about nodes that ended."""
 
 import signal
 import threading
@@ -12,6 +12,12 @@ EXIT_SIGNAL = 128
 
 PARENT = 'OMNI_VEHICLE_PARENT'
 """Environment variable: a node whose parent is no longer the process of this number ends."""
+
+DIED, WITHOUT, READY = 'died', 'without', 'ready'
+"""Words before the name of a node: the first two are said to the nodes by who has started them, the last one to him.
+
+A node has died; it is no longer waited for, as it is gone for good or there again; it is connected to all the others.
+"""
 
 
 def hold_signals() -> None:

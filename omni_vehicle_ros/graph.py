@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from omni_vehicle_ros.cores import Core
-from omni_vehicle_ros.ending import ENDING
+from omni_vehicle_ros.ending import DIED, ENDING, READY, WITHOUT
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.faults import PROCESSES
 from omni_vehicle_ros.interface import DRIVER, PLANT, RECORDER, resolve
@@ -80,6 +80,8 @@ class Graph:
         self.interrupted = 0  # or the number of the signal
         self.restarts: dict[str, int] = {}
         self._restart = restart
+        self._mourned: set[str] = set()
+        self._awaited: set[str] = set()
         self.messages, self.lost = 0, 0
         self.dead: dict[str, str] = {}
         self.real_time: dict[str, Any] = {}
@@ -153,23 +155,32 @@ class Graph:
                 if role == last and code == 0:
                     self.read(self.processes.lines(0.0), progress)
                     return
-                self._note_death(role, code)
+                if role not in self._mourned:
+                    self._note_death(role, code)
 
     def _note_death(self, role: str, code: int) -> None:
         """Start a node again; or go on without it, if the others can, and those who miss it name it on /diagnostics.
 
         One that a fault of the scenario kills has not ended before its time.
         """
+        self.processes.tell(DIED, role)
         if self._may_restart(role, code):
-            self.restarts[role] = self.restarts.get(role, 0) + 1
-            self._begun = None  # what a process takes is measured from here on
-            self._spawn_node(role, *(('-p', 'restarted:=true') if role == DRIVER else ()))
+            self._start_again(role)
             return
+        self._mourned.add(role)
+        self.processes.tell(WITHOUT, role)
         if role in self._doomed and role not in self.restarts:
             return
         if role in (PLANT, DRIVER, RECORDER, 'vehicle') or not self._moving:
             raise RunError(self.processes.last_words(role))
         self.dead.setdefault(role, self.processes.last_words(role))
+
+    def _start_again(self, role: str) -> None:
+        """Start a node that has died; in lock step the others wait until it is connected, but not for ever."""
+        self.restarts[role] = self.restarts.get(role, 0) + 1
+        self._begun = None  # what a process takes is measured from here on
+        self._awaited.add(role)
+        self._spawn_node(role, *(('-p', 'restarted:=true') if role == DRIVER else ()))
 
     def _may_restart(self, role: str, code: int) -> bool:
         lasting = role in (PLANT, RECORDER, 'vehicle') or code == REFUSED or not self._moving
@@ -179,13 +190,21 @@ class Graph:
         """Take what the nodes print: the time from the driver, the count from the recorder."""
         for line in lines:
             words = line.split()
-            if len(words) == 2 and words[0] == 'time':
+            if words[:1] == [READY]:
+                self._note_ready(words[1])
+            elif len(words) == 2 and words[0] == 'time':
                 self._moving = True
                 progress(float(words[1]))
             elif words[:1] == ['recorded']:
                 self.messages, self.lost = int(words[1]), int(words[3])
             elif words[:1] == ['punctual']:
                 self.real_time = json.loads(line.removeprefix('punctual'))
+
+    def _note_ready(self, role: str) -> None:
+        self.processes.note_segments()
+        if role in self._awaited:
+            self._awaited.remove(role)
+            self.processes.tell(WITHOUT, role)
 
     def stop(self) -> None:
         """Ask all to end, the recorder last."""

@@ -7,12 +7,14 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
 from omni_vehicle_ros.cores import CORE
 from omni_vehicle_ros.ending import PARENT, hold_signals, release_signals
 from omni_vehicle_ros.scenarios import scenario_directory
+from omni_vehicle_ros.shared_memory import remove, segments_of
 
 BOOT = (
     'import sys; sys.path[:] = filter(None, sys.path); '
@@ -41,6 +43,8 @@ class Processes:
         self._logs = logs
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._selector = selectors.DefaultSelector()
+        self._begun: dict[str, bytes] = {}
+        self._segments: dict[int, set[str]] = {}
 
     def spawn(
         self, role: str, module: str, arguments: list[str], *, core: int | None = None, prefix: Sequence[str] = ()
@@ -58,11 +62,12 @@ class Processes:
             with self._log(role).open('ab') as log:
                 process = subprocess.Popen(
                     [*prefix, sys.executable, '-c', BOOT, module, *arguments],
-                    stdin=subprocess.DEVNULL,
+                    stdin=subprocess.PIPE,
                     stdout=subprocess.PIPE,
                     stderr=log,
                     env=node_environment(core),
                     start_new_session=True,
+                    bufsize=0,
                 )
             self._processes[role] = process
             assert process.stdout is not None
@@ -73,22 +78,37 @@ class Processes:
 
     def _forget(self, ended: 'subprocess.Popen[bytes]') -> None:
         """Listen no more to a process that has ended."""
-        if ended.stdout is not None:
-            if ended.stdout in self._selector.get_map():
-                self._selector.unregister(ended.stdout)
-            ended.stdout.close()
+        if ended.stdout is not None and ended.stdout in self._selector.get_map():
+            self._selector.unregister(ended.stdout)
+        _close(ended)
 
     def lines(self, timeout: float) -> list[str]:
-        """Return what was printed; wait for it for up to ``timeout`` [s]."""
+        """Return the whole lines that were printed; wait for some for up to ``timeout`` [s]."""
         lines: list[str] = []
         for key, _ in self._selector.select(timeout):
             stream: IO[bytes] = key.fileobj  # type: ignore[assignment]
             data = stream.read()
+            *whole, begun = (self._begun.pop(key.data, b'') + (data or b'')).split(b'\n')
+            lines += [line.decode(errors='replace') for line in whole]
             if data:
-                lines += data.decode(errors='replace').splitlines()
+                self._begun[key.data] = begun
             else:
                 self._selector.unregister(stream)
         return lines
+
+    def tell(self, *words: str) -> None:
+        """Say a line to all, on their standard input."""
+        line = f'{" ".join(words)}\n'.encode()
+        for process in self._processes.values():
+            assert process.stdin is not None
+            with suppress(BrokenPipeError):
+                process.stdin.write(line)
+
+    def note_segments(self) -> None:
+        """Note which shared memory belongs to each process, so that one that is killed leaves none."""
+        for process in self._processes.values():
+            if not self._segments.get(process.pid):
+                self._segments[process.pid] = segments_of(process.pid)
 
     def ended(self) -> dict[str, int]:
         """Return the exit codes of those that have ended, by role."""
@@ -130,15 +150,22 @@ class Processes:
             until = time.monotonic() + STOP_LIMIT
             for role in group:
                 _await(self._processes[role], until)
+        for segments in self._segments.values():
+            remove(segments)
         lines = self.lines(0.0)
         for process in self._processes.values():
-            if process.stdout is not None:
-                process.stdout.close()
+            _close(process)
         self._selector.close()
         return lines
 
     def _log(self, role: str) -> Path:
         return self._logs / f'{role.replace("/", "_")}.log'
+
+
+def _close(process: 'subprocess.Popen[bytes]') -> None:
+    for stream in (process.stdin, process.stdout):
+        if stream is not None:
+            stream.close()
 
 
 def _await(process: 'subprocess.Popen[bytes]', until: float) -> None:

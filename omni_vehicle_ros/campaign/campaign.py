@@ -3,75 +3,57 @@
 import queue
 import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Event
-from typing import NamedTuple
 
 from omni_vehicle_ros.campaign.draw import Drive, draw
 from omni_vehicle_ros.campaign.judge import Verdict, judge
+from omni_vehicle_ros.campaign.store import Campaign, Request, read_before
 from omni_vehicle_ros.campaign.tables import write_tables
 from omni_vehicle_ros.campaign.trial import make_trial
-from omni_vehicle_ros.run import new_directory
 
 POLL = 0.2
 
 
-class Request(NamedTuple):
-    """What a campaign is asked for.
-
-    Attributes
-    ----------
-    runs, seed, mode
-        As of `omni_vehicle_ros.campaign.draw.draw`.
-    jobs
-        How many drives at a time.
-    domain
-        The first of as many ROS domains as there are jobs.
-    """
-
-    runs: int
-    seed: int
-    mode: str
-    jobs: int
-    domain: int
-
-
 def run_campaign(request: Request, directory: Path, progress: Callable[[int], None]) -> list[Verdict]:
-    """Make all drives of a campaign; leave tables, and the results of drives that did not pass.
+    """Make all drives of a campaign that are not in a directory yet; leave tables, and what did not pass.
 
     Parameters
     ----------
     request
         What is asked for.
     directory
-        Where to; must not exist.
+        Where to; new, or with drives of this campaign.
     progress
         Called with how many drives are over.
 
     Raises
     ------
     RunError
-        The directory exists already.
+        The directory holds something else.
     """
     drives = draw(request.runs, request.seed, request.mode)
+    before = read_before(directory, request, drives)
+    verdicts = {verdict.drive.number: verdict for verdict in before.verdicts}
     domains: queue.SimpleQueue[int] = queue.SimpleQueue()
     for job in range(request.jobs):
         domains.put(request.domain + job)
-    begun = time.monotonic()
-    verdicts: list[Verdict] = []
-    with new_directory(directory):
-        progress(0)
-        with _each(drives, directory, domains, request.jobs) as futures:
-            for verdict in futures:
-                verdicts.append(verdict)
-                progress(len(verdicts))
-                ordered = sorted(verdicts, key=lambda one: one.drive.number)
-                wall = time.monotonic() - begun
-                write_tables(ordered, request.seed, request.mode, wall, request.runs, directory)
-    return sorted(verdicts, key=lambda one: one.drive.number)
+    begun = time.monotonic() - before.wall
+    directory.mkdir(parents=True, exist_ok=True)
+    progress(len(verdicts))
+    with _each([drive for drive in drives if drive.number not in verdicts], directory, domains, request.jobs) as found:
+        for verdict in found:
+            verdicts[verdict.drive.number] = verdict
+            progress(len(verdicts))
+            write_tables(Campaign(request, time.monotonic() - begun, _in_order(verdicts)), directory)
+    return _in_order(verdicts)
+
+
+def _in_order(verdicts: Mapping[int, Verdict]) -> list[Verdict]:
+    return [verdict for _, verdict in sorted(verdicts.items())]
 
 
 @contextmanager

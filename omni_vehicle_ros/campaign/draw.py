@@ -12,7 +12,7 @@ from omni_vehicle_ros.scenarios.scenario import make_scenario
 MIXED = 'mixed'
 CAMPAIGN_MODES = (MIXED, *MODES)
 
-SHARES = {'offline': 0.65, 'one-process': 0.2, 'processes': 0.15}
+SHARES = {'offline': 0.5, 'one-process': 0.2, 'processes': 0.3}
 """Of the modes in a mixed campaign, among drives in which no process fails."""
 
 ALONE = 'faults/'
@@ -20,6 +20,9 @@ LONGEST = 4.0
 DURATIONS = (3.0, 3.5, 4.0)
 WATCHED = 1.5
 """Time from the last fault to the end of a drive, at least [s]."""
+
+JUMP = 0.1
+"""A clock that jumps ahead by less does not differ from one of which messages were lost [s]."""
 
 MANOEUVRES = ('turn', 'lane change', 'straight')
 
@@ -66,7 +69,8 @@ def _drive(number: int, seed: str, mode: str, alone: list[str]) -> Drive:
     if number <= len(alone):
         manoeuvre = alone[number - 1]
         scenario = load_scenario(manoeuvre)
-        scenario = replace(scenario, duration=min(scenario.duration, LONGEST))
+        last = max(event.at for event in scenario.faults)
+        scenario = replace(scenario, duration=min(scenario.duration, max(LONGEST, last + WATCHED)))
     else:
         manoeuvre = random.choice(MANOEUVRES)
         scenario = _random_scenario(random, number, manoeuvre)
@@ -91,6 +95,8 @@ def _random_scenario(random: Random, number: int, manoeuvre: str) -> Scenario:
             'duration': duration,
             'side_slip_control': True,
             'plant': {'initial_speed': speed},
+            'steering': {'fault_reaction': number % 2 == 0},
+            'side_slip': {'fault_reaction': number % 2 == 0},
             'commands': _commands(manoeuvre, speed, radius),
             'faults': sorted(faults, key=lambda fault: float(fault['at'])),
         },
@@ -109,15 +115,22 @@ def _fault(random: Random, component: str, latest: float) -> dict[str, Any]:
     """Return a fault in words of a scenario: half of them with their default, and a third of them over before long."""
     kind = kind_of(component)
     failure = random.choice(tuple(KINDS[kind]))
-    _, default, _, low, high = KINDS[kind][failure]
     fault: dict[str, Any] = {'at': round(random.uniform(0.5, latest), 2), 'component': component, 'failure': failure}
     late = kind == 'process' and failure == 'delayed'
-    if default is not None and random.random() < 0.5:
-        # A node that answers a second late in each cycle is in time for no limit of wall time.
-        fault['value'] = round(random.uniform(low, 2.0 * default if late else high), 3)
+    if KINDS[kind][failure].default is not None and random.random() < 0.5:
+        fault['value'] = round(_value(random, kind, failure), 3)
     if late or (kind not in ('process', 'clock') and random.random() < 1.0 / 3.0):
         fault['for'] = round(random.uniform(0.2, 0.8), 2)
     return fault
+
+
+def _value(random: Random, kind: str, failure: str) -> float:
+    _, default, _, low, high = KINDS[kind][failure]
+    if kind == 'clock':
+        return random.choice((-1.0, 1.0)) * random.uniform(JUMP, high)
+    if kind == 'process' and default is not None:  # a second late in each cycle is in time for no limit of wall time
+        return random.uniform(low, 2.0 * default)
+    return random.uniform(low, high)
 
 
 def _commands(manoeuvre: str, speed: float, radius: float) -> list[dict[str, Any]]:

@@ -100,6 +100,8 @@ def _end_failures(trial: Trial) -> list[str]:
         found.append('a traceback in its output or the logs of its nodes')
     if trial.left:
         found.append(f'{len(trial.left)} processes left')
+    if trial.segments:
+        found.append(f'{len(trial.segments)} segments of shared memory left')
     lost = LOST.search(trial.said)
     if lost and int(lost[2]):
         found.append(f'{lost[2]} messages lost')

@@ -1,7 +1,6 @@
 """What a campaign leaves: a table of its drives as CSV and JSON, and a page that sums them up."""
 
 import csv
-import json
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,68 +10,32 @@ from typing import Any
 from omni_vehicle_ros import __version__
 from omni_vehicle_ros.campaign.effect import ANGLE, PLACE, SPEED
 from omni_vehicle_ros.campaign.judge import Finding, Verdict
+from omni_vehicle_ros.campaign.store import Campaign, fault_words, row, write
 from omni_vehicle_ros.faults import KINDS, kind_of
 from omni_vehicle_ros.scenarios import FaultEvent
 
 PAGE = 'campaign.md'
 
 
-def write_tables(verdicts: Sequence[Verdict], seed: int, mode: str, wall: float, asked: int, directory: Path) -> None:
-    """Write ``runs.csv``, ``runs.json`` and `PAGE`; the same again with each drive more.
-
-    Parameters
-    ----------
-    verdicts
-        Of the drives until now.
-    seed, mode
-        Of the campaign.
-    wall
-        Time that it took [s].
-    asked
-        How many drives it is to have.
-    directory
-        Where to.
-    """
-    rows = [row(verdict) for verdict in verdicts]
-    text = json.dumps(rows, indent=1, allow_nan=False)
-    (directory / 'runs.json').write_text(f'{text}\n', encoding='utf-8')
+def write_tables(campaign: Campaign, directory: Path) -> None:
+    """Write ``runs.csv``, ``runs.json`` and `PAGE`; the same again with each drive more."""
+    write(campaign, directory)
+    rows = [row(verdict) for verdict in campaign.verdicts]
     with (directory / 'runs.csv').open('w', encoding='utf-8', newline='') as file:
         writer = csv.DictWriter(file, rows[0])
         writer.writeheader()
         for entries in rows:
             writer.writerow({key: _cell(value) for key, value in entries.items()})
-    (directory / PAGE).write_text(page(verdicts, seed, mode, wall, asked), encoding='utf-8')
+    (directory / PAGE).write_text(page(campaign), encoding='utf-8')
 
 
 def _cell(value: Any) -> Any:
     return '; '.join('-' if entry is None else str(entry) for entry in value) if isinstance(value, list) else value
 
 
-def row(verdict: Verdict) -> dict[str, Any]:
-    """Return what there is to say about one drive."""
-    drive, findings = verdict.drive, verdict.findings
-    return {
-        'run': drive.number,
-        'mode': drive.mode,
-        'manoeuvre': drive.manoeuvre,
-        'duration': drive.scenario.duration,
-        'faults': list(map(fault_words, drive.scenario.faults)),
-        'wall': round(verdict.wall, 2),
-        'passed': verdict.passed,
-        'failures': list(verdict.failures),
-        'named_after': [None if finding.after is None else round(finding.after, 3) for finding in findings],
-        'without_effect': [not finding.acts for finding in findings],
-    }
-
-
-def fault_words(event: FaultEvent) -> str:
-    """Return a fault in words."""
-    lasting = '' if event.lasting is None else f' for {event.lasting:g} s'
-    return f'{event.fault.component} {event.fault.words} at {event.at:g} s{lasting}'
-
-
-def page(verdicts: Sequence[Verdict], seed: int, mode: str, wall: float, asked: int) -> str:
-    """Return the summary as Markdown; parameters as of `write_tables`."""
+def page(campaign: Campaign) -> str:
+    """Return the summary of a campaign as Markdown."""
+    (asked, seed, mode, _, _), wall, verdicts = campaign
     modes = Counter(verdict.drive.mode for verdict in verdicts)
     broken = [f'{_name(v)}: {"; ".join(v.failures)}; {_faults(v)}' for v in verdicts if v.failures]
     silent = [
@@ -87,8 +50,8 @@ def page(verdicts: Sequence[Verdict], seed: int, mode: str, wall: float, asked: 
         f'Written by `{command}`, version {__version__}' + _so_far(len(verdicts), asked), '',
         f'{len(verdicts)} drives ({", ".join(f"{count} {name}" for name, count in sorted(modes.items()))}) in '
         f'{wall / 60.0:.1f} min. {len(verdicts) - len(broken)} passed the checks of the end and of the bag: exit code '
-        '0, no traceback, no hang, no process left, bag complete, no message lost, no number that is not finite, '
-        'steer angles within range and rate.', '',
+        '0, no traceback, no hang, no process and no segment of shared memory left, bag complete, no message lost, no '
+        'number that is not finite, steer angles within range and rate.', '',
         _found([finding for verdict in verdicts for finding in verdict.findings]), '',
         *_by_failure(verdicts), '',
         '## Drives that failed', '', *_points(broken), '',

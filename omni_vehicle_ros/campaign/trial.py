@@ -1,11 +1,13 @@
 """One drive of a campaign as the user would make it: by the command, in a process of its own, with an end."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
 import uuid
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from threading import Event
@@ -13,6 +15,7 @@ from typing import NamedTuple
 
 from omni_vehicle_ros.campaign.draw import Drive
 from omni_vehicle_ros.processes import BOOT, network_environment
+from omni_vehicle_ros.shared_memory import existing, remove, segments_of
 
 TOKEN = 'OMNI_VEHICLE_TRIAL'
 """Environment variable that all processes of a trial inherit, by which those are found that are left."""
@@ -20,7 +23,7 @@ TOKEN = 'OMNI_VEHICLE_TRIAL'
 LIMIT = 300.0
 """Wall time after which a drive hangs [s]."""
 
-LOOK_PERIOD = 0.05
+LOOK_PERIOD = 0.2
 
 
 class Trial(NamedTuple):
@@ -38,6 +41,8 @@ class Trial(NamedTuple):
         On standard output and standard error, its nodes' included.
     left
         Process ids that were there after its end; they have been killed.
+    segments
+        Of the shared memory of its processes, those that were there after its end.
     """
 
     directory: Path
@@ -45,6 +50,7 @@ class Trial(NamedTuple):
     wall: float
     said: str
     left: list[int]
+    segments: list[str]
 
 
 def make_trial(drive: Drive, directory: Path, domain: int, stop: Event) -> Trial:
@@ -63,6 +69,7 @@ def make_trial(drive: Drive, directory: Path, domain: int, stop: Event) -> Trial
     """
     name = f'run_{drive.number:04}'
     file, output, results = (directory / f'{name}{end}' for end in ('.yaml', '.txt', ''))
+    shutil.rmtree(results, ignore_errors=True)  # of a campaign that was cut off
     file.write_text(drive.scenario.as_yaml(), encoding='utf-8')
     arguments = ['run', str(file), '--mode', drive.mode, '--namespace', name, '--out', str(results)]
     token, begun = uuid.uuid4().hex, time.monotonic()
@@ -72,19 +79,25 @@ def make_trial(drive: Drive, directory: Path, domain: int, stop: Event) -> Trial
             [sys.executable, '-c', BOOT, 'cli', *arguments],
             stdin=subprocess.DEVNULL, stdout=said, stderr=said, env=environment, start_new_session=True,
         )
+        segments: set[str] = set()
         try:
-            code = _code(process, stop)
+            code = _code(process, stop, lambda: segments.update(*map(segments_of, running(token))))
         finally:
             left = end_all(token)
             process.wait()
+            left_segments = existing(segments)
+            remove(left_segments)
     logs = [path for folder in results.glob('log') for path in sorted(folder.iterdir())]
     text = ''.join(path.read_text(encoding='utf-8', errors='replace') for path in (output, *logs))
-    return Trial(results, code, time.monotonic() - begun, text, left if code is not None else [])
+    wall = time.monotonic() - begun
+    return Trial(results, code, wall, text, *((left, left_segments) if code is not None else ([], [])))
 
 
-def _code(process: 'subprocess.Popen[bytes]', stop: Event) -> int | None:
+def _code(process: 'subprocess.Popen[bytes]', stop: Event, look: Callable[[], None]) -> int | None:
+    """Wait for the end, and look round now and then."""
     until = time.monotonic() + LIMIT
     while not stop.is_set() and time.monotonic() < until:
+        look()
         with suppress(subprocess.TimeoutExpired):
             return process.wait(LOOK_PERIOD)
     return None

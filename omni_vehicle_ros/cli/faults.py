@@ -16,7 +16,11 @@ def campaign(
     seed: Annotated[int, typer.Option('--seed', help='The same seed draws the same drives.', min=0)] = 0,
     out: Annotated[
         Path | None,
-        typer.Option('--out', metavar='DIR', help='Directory for the results. Default: runs/campaign-<date>.'),
+        typer.Option(
+            '--out', metavar='DIR',
+            help='Directory for the results; the same command goes on with what is there. Default: '
+            'runs/campaign-<date>.',
+        ),
     ] = None,
     mode: Annotated[
         str, typer.Option('--mode', help=f'One of: {", ".join(CAMPAIGN_MODES)}. Mixed: processes where one fails.')
@@ -26,7 +30,8 @@ def campaign(
     ] = 1,
 ) -> None:
     """Drive with each shipped fault, then with random pairs; judge each drive, leave table and page in DIR."""
-    from omni_vehicle_ros.campaign.campaign import Request, run_campaign
+    from omni_vehicle_ros.campaign.campaign import run_campaign
+    from omni_vehicle_ros.campaign.store import Request
     from omni_vehicle_ros.campaign.tables import PAGE
     from omni_vehicle_ros.console import ProgressBar
 

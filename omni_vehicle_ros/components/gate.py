@@ -118,6 +118,16 @@ class Gate:
         """Stop waiting for what is not there: it is lost until it answers again."""
         self.lost.update(self.missing())
         self._awaited.clear()
+        self.forget_announced()
+
+    def give_up_on(self, sources: Iterable[str]) -> None:
+        """Stop waiting for some sources: they are lost until they answer again."""
+        gone = self._answered.keys() & set(sources)
+        self.lost |= gone
+        self._awaited -= gone
+
+    def forget_announced(self) -> None:
+        """Stop waiting for what was announced: who has announced it says no more."""
         self._heard, self._announced = Counter(), Counter()
 
     def give_up_previous(self) -> None:

@@ -1,5 +1,6 @@
 """The order of a recording: by simulated time, then by topic, whatever order messages came in."""
 
+from collections.abc import Iterable
 from typing import Protocol
 
 from omni_vehicle_ros import interface
@@ -100,6 +101,11 @@ class Journal:
     def complete(self, end: int) -> bool:
         """Whether every cyclic topic that was heard has come to ``end`` [ns]."""
         return all(stamp >= end for stamp in self._heard.values())
+
+    def miss(self, topics: Iterable[str]) -> None:
+        """Take no more of some topics for granted, until they are heard again."""
+        for topic in topics:
+            self._heard.pop(self._index.get(topic, -1), None)
 
     def flush(self) -> None:
         """Write all that waits."""

@@ -4,6 +4,7 @@ import time
 from collections.abc import Sequence
 
 from rclpy.node import Node
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from omni_vehicle_ros.faults import FAULTS
 from omni_vehicle_ros.interface import ANYONE, Topic, resolve
@@ -42,8 +43,20 @@ class Owners:
             for row in topics
             if ANYONE in row.publishers and not row.qos.latched and row.name != FAULTS
         ]
+        self._namespace = namespace
+        self._dead: set[bytes] = set()
         self._looked = time.monotonic()
         self.strangers = ''
+
+    def bury(self, role: str) -> None:
+        """Count the publishers of a node no more that has died: they are in the graph for some seconds yet."""
+        name = resolve(role, self._namespace)
+        self._dead |= {
+            bytes(info.endpoint_gid)
+            for topic in (*self._owners, *self._drivers)
+            for info in self._node.get_publishers_info_by_topic(topic)
+            if _name(info) == name
+        }
 
     def look(self) -> bool:
         """Look once a second, and return whether there is something to say: ``strangers``, or that they are gone."""
@@ -53,13 +66,20 @@ class Owners:
         self._looked = now
         before, node = self.strangers, self._node
         crowded = [topic for topic in (*self._owners, *self._drivers) if node.count_publishers(topic) > 1]
-        self.strangers = '; '.join(map(self._names, crowded))
+        self.strangers = '; '.join(filter(None, map(self._names, crowded)))
         return bool(before or self.strangers)
 
     def _names(self, topic: str) -> str:
-        found = self._node.get_publishers_info_by_topic(topic)
-        names = sorted({f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in found})
+        all_known = self._node.get_publishers_info_by_topic(topic)
+        found = [info for info in all_known if bytes(info.endpoint_gid) not in self._dead]
+        if len(found) < 2:
+            return ''
+        names = sorted({_name(info) for info in found})
         who = f'{topic} has {len(found)} publishers ({", ".join(names)}): '
         if topic in self._owners:
             return who + f'end all but one of {self._owners[topic]}'
         return who + 'of two that speak the last one holds, time after time; end all but one'
+
+
+def _name(info: TopicEndpointInfo) -> str:
+    return f'{info.node_namespace.rstrip("/")}/{info.node_name}'

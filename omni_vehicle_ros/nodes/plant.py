@@ -99,8 +99,12 @@ class PlantNode(Shell):
 
     def act(self) -> None:
         """In lock step, move as soon as the cycle is complete and the recorder is not far behind."""
-        if self.lockstep and self._begun and (self._recorder_lost or self.now - self._recorded <= self._window):
+        if self.lockstep and self._begun and (self._recorder_lost or not self._recorder_is_behind):
             super().act()
+
+    @property
+    def _recorder_is_behind(self) -> bool:
+        return self.now - self._recorded > self._window
 
     def publish(self, outputs: list[Output]) -> None:
         """Publish what the sensors see, and open the cycle that begins with it."""
@@ -130,7 +134,7 @@ class PlantNode(Shell):
             super().poll()
             self._begin()
         elif self.lockstep:
-            if self.gate.waiting and time.monotonic() - self._opened > self.pacing.wait_limit:
+            if self._recorder_is_behind and time.monotonic() - self._opened > self.pacing.wait_limit:
                 self._recorder_lost = True
             super().poll()
         elif time.monotonic() >= self._due:

@@ -95,6 +95,11 @@ class RecorderNode(Shell):
         if self._failure is not None:
             raise self._failure
 
+    def miss(self, role: str, topics: list[str]) -> None:
+        """Wait at the end for nothing more of a node that has died."""
+        if isinstance(self._recording, VehicleRecording):
+            self._recording.miss(topics)
+
     def wait(self) -> float:
         """Return for how long there is nothing to do but to take messages [s]."""
         return self._recording.period if self.active else super().wait()

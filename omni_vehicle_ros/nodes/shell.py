@@ -31,6 +31,7 @@ from omni_vehicle_ros.nodes.managed import ManagedNode
 from omni_vehicle_ros.nodes.owners import Owners
 from omni_vehicle_ros.nodes.ports import on_this_machine
 from omni_vehicle_ros.nodes.scheduling import be_punctual, work_through
+from omni_vehicle_ros.nodes.supervisor import Supervisor
 from omni_vehicle_ros.parameters import PacingParameters
 
 WARN_PERIOD = 5.0
@@ -48,6 +49,11 @@ CONNECT_LIMIT = 3.0
 
 PREVIOUS_SHARE = 0.125
 """Share of wait_limit that a node waits for what belongs to the cycle before: less than others wait for that node."""
+
+SHARES = {
+    interface.ICR_STEERING: 0.7, interface.SIDE_SLIP_CONTROLLER: 0.8, **dict.fromkeys(interface.WHEEL_MODULES, 0.9),
+}
+"""Share of wait_limit that a node waits, if not all of it: less than those who wait for its answer meanwhile."""
 
 
 class Shell(ManagedNode):
@@ -81,6 +87,8 @@ class Shell(ManagedNode):
         self._late: deque[tuple[float, list[Output]]] = deque()
         self._initial: list[Fault] = []
         self._fault_parameters: FaultParameters | None = None
+        self._uncertain: set[str] = set()
+        self._supervisor = Supervisor(self._bury, self._go_on_without)
         if self.pacing.autostart:
             self.bring_up()
 
@@ -319,6 +327,8 @@ class Shell(ManagedNode):
                 self.inject(self._initial)
                 self._initial = []
             self.say('ready', Text(self.role))
+            self._supervisor.say_ready(self.role)
+        self._supervisor.listen()
         while self._late and time.monotonic() >= self._late[0][0]:
             self.publish(self._late.popleft()[1])
         if self._owners.look():
@@ -332,10 +342,30 @@ class Shell(ManagedNode):
         if waited > PREVIOUS_SHARE * limit:
             self.gate.give_up_previous()
             self.act()
+        limit = self.pacing.start_limit if self._uncertain else limit * SHARES.get(self.role, 1.0)
         if self.gate.waiting and waited > limit:
             self.warn(f'no answer from {self.gate.absent()} for {limit:g} s; going on without')
             self.gate.give_up()
             self.act()
+
+    def _bury(self, role: str) -> None:
+        """Count a node no more that has died; wait until it is known whether it comes back."""
+        self._owners.bury(role)
+        self._uncertain.add(role)
+
+    def _go_on_without(self, role: str) -> None:
+        self._uncertain.discard(role)
+        self.miss(role, [row.name for row in self._rows.values() if row.publishers == (role,)])
+
+    def miss(self, role: str, topics: list[str]) -> None:
+        """Wait no more for a node and what it alone says on ``topics``, until it answers again."""
+        if not self.lockstep:
+            return
+        self.gate.give_up_on(topics)
+        self._opened = time.monotonic()
+        if role == interface.DRIVER:
+            self.gate.forget_announced()
+        self.act()
 
     def _say_strangers(self, strangers: str) -> None:
         """Name who publishes what belongs to another node, or say that nobody does any more."""

@@ -130,6 +130,11 @@ class VehicleRecording:
             return False
         return self._journal.complete(self._end) or wall - self._ended > END_LIMIT
 
+    def miss(self, topics: list[str]) -> None:
+        """Wait at the end for no more of some topics, until they are heard again."""
+        self.take()
+        self._journal.miss(topics)
+
     def take(self) -> None:
         """Take the messages that wait in the middleware."""
         for take_message, kind, take in self._waiting:

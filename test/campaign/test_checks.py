@@ -13,8 +13,10 @@ from omni_vehicle_ros.campaign.checks import incomplete, marks, named_after, not
 from omni_vehicle_ros.campaign.draw import draw
 from omni_vehicle_ros.campaign.effect import has_effect
 from omni_vehicle_ros.campaign.judge import Finding, Verdict, judge
-from omni_vehicle_ros.campaign.tables import page, row
+from omni_vehicle_ros.campaign.store import Campaign, Request, read_before, row, write
+from omni_vehicle_ros.campaign.tables import page
 from omni_vehicle_ros.campaign.trial import Trial
+from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.faults import make_fault
 from omni_vehicle_ros.messages import Point, encode
 from omni_vehicle_ros.scenarios import FaultEvent, Scenario
@@ -113,15 +115,16 @@ def test_a_sensor_is_not_named_by_the_name_of_who_complains() -> None:
 def test_a_bad_end_is_a_failure_with_its_reason(tmp_path) -> None:
     (drive,) = draw(1, 0, 'offline')
     said = 'error: plant ended with code 1\nTraceback (most recent call last):\n5 messages, 3 lost\n'
-    verdict = judge(drive, Trial(tmp_path, 2, 1.0, said, [7]))
+    verdict = judge(drive, Trial(tmp_path, 2, 1.0, said, [7], ['fastrtps_0']))
     assert verdict.failures == (
         'exit code 2: error: plant ended with code 1',
         'a traceback in its output or the logs of its nodes',
         '1 processes left',
+        '1 segments of shared memory left',
         '3 messages lost',
     )
     assert not verdict.passed
-    assert judge(drive, Trial(tmp_path, None, 1.0, '', [])).failures[0].startswith('hangs')
+    assert judge(drive, Trial(tmp_path, None, 1.0, '', [], [])).failures[0].startswith('hangs')
 
 
 def test_the_page_counts_what_is_in_the_verdicts() -> None:
@@ -131,9 +134,25 @@ def test_the_page_counts_what_is_in_the_verdicts() -> None:
         Verdict(one, 1.0, (), (Finding(event, 0.25),)),
         Verdict(two, 1.0, ('a bad end',), (Finding(event, None), Finding(event, None, acts=False))),
     ]
-    text = page(verdicts, 0, 'offline', 60.0, 2)
+    text = page(Campaign(Request(2, 0, 'offline', 1, 0), 60.0, verdicts))
     assert '2 drives (2 offline) in 1.0 min. 1 passed' in text
     assert '| brake | stuck | 3 | 1 | 0.25 | 1 | 1 |' in text
     assert '- run 2 (offline): a bad end' in text
     assert row(verdicts[1])['named_after'] == [None, None]
     assert [verdict.passed for verdict in verdicts] == [True, False]
+
+
+def test_a_campaign_goes_on_with_what_is_there(tmp_path) -> None:
+    drives = draw(3, 0, 'offline')
+    event = drives[0].scenario.faults[0]
+    verdicts = [
+        Verdict(drives[0], 1.5, (), (Finding(event, 0.25),)),
+        Verdict(drives[2], 2.5, ('a bad end',), ()),
+    ]
+    request = Request(3, 0, 'offline', 1, 0)
+    write(Campaign(request, 60.0, verdicts), tmp_path)
+    assert read_before(tmp_path, request._replace(jobs=2), drives) == Campaign(request._replace(jobs=2), 60.0, verdicts)
+    with pytest.raises(RunError, match='holds a campaign with seed 0, not 1'):
+        read_before(tmp_path, request._replace(seed=1), drives)
+    with pytest.raises(RunError, match='holds no campaign'):
+        read_before(tmp_path.parent, request, drives)

@@ -13,7 +13,8 @@ def test_a_campaign_leaves_a_verdict_on_each_drive_and_no_process(lab: Lab) -> N
     """Whatever the verdicts are: the exit code is that of the table, and what passed leaves no directory."""
     command = lab.command('campaign', '--runs', '6', '--mode', 'offline', '--jobs', '2', '--out', 'found')
     out, errors = command.communicate(timeout=240.0)
-    rows = list(csv.DictReader((lab.path / 'found' / 'runs.csv').open()))
+    with (lab.path / 'found' / 'runs.csv').open() as file:
+        rows = list(csv.DictReader(file))
     assert [row['run'] for row in rows] == list('123456')
     assert not [row for row in rows if row['failures']], rows
     failed = [row['run'] for row in rows if row['passed'] != 'True']
