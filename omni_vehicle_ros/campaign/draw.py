@@ -12,12 +12,12 @@ from omni_vehicle_ros.scenarios.scenario import make_scenario
 MIXED = 'mixed'
 CAMPAIGN_MODES = (MIXED, *MODES)
 
-SHARES = {'offline': 0.5, 'one-process': 0.2, 'processes': 0.3}
+SHARES = {'offline': 0.55, 'one-process': 0.2, 'processes': 0.25}
 """Of the modes in a mixed campaign, among drives in which no process fails."""
 
 ALONE = 'faults/'
 LONGEST = 4.0
-DURATIONS = (3.0, 3.5, 4.0)
+DURATIONS = (2.5, 3.0, 3.5)
 WATCHED = 1.5
 """Time from the last fault to the end of a drive, at least [s]."""
 
