@@ -12,7 +12,7 @@ from omni_vehicle_ros.scenarios.scenario import make_scenario
 MIXED = 'mixed'
 CAMPAIGN_MODES = (MIXED, *MODES)
 
-SHARES = {'offline': 0.55, 'one-process': 0.2, 'processes': 0.25}
+SHARES = {'offline': 0.6, 'one-process': 0.2, 'processes': 0.2}
 """Of the modes in a mixed campaign, among drives in which no process fails."""
 
 ALONE = 'faults/'
