@@ -330,7 +330,7 @@ class PacingParameters(Parameters):
     pacing: str = parameter('realtime', 'lockstep: every node waits for what belongs to the cycle; realtime: the latest is taken.', choices=('lockstep', 'realtime'))
     realtime_factor: float = parameter(1.0, 'Simulated time over wall time, in real time.', low=0.01, high=100.0)
     realtime_priority: int = parameter(0, 'Priority (SCHED_FIFO) of the nodes that drive, in real time; driver and recorder have one less. For machines with cores to spare: what waits for such a node may wait for ever. 0: leave it to the system.', low=0, high=98)
-    wait_limit: float = parameter(4.0, 'Wall time that a node waits for an input in lock step before it goes on without.', unit='s', low=0.01, high=600.0)
+    wait_limit: float = parameter(4.0, 'Wall time that a node waits for an input in lock step before it goes on without; those whose answers others wait for, a little less.', unit='s', low=0.01, high=600.0)
     publish_clock: bool = parameter(True, 'The plant of this vehicle owns /clock; of several vehicles, one does.')
     fault_injection: bool = parameter(False, 'Faults may be injected, on the topic faults and by the parameters fault.*; a run of a scenario with faults sets it.')
     start_limit: float = parameter(30.0, 'Wall time that the plant waits for the participants in lock step.', unit='s', low=0.1, high=600.0)

@@ -3,6 +3,7 @@
 import ctypes
 import os
 import signal
+import time
 from collections.abc import Iterable
 
 from rclpy.duration import Duration
@@ -11,7 +12,7 @@ from rclpy.publisher import Publisher
 from omni_vehicle_ros.ending import PARENT
 
 PR_SET_PDEATHSIG = 1
-SAID_LIMIT = Duration(seconds=0.5)
+SAID_LIMIT = 0.5
 
 
 def end_or_freeze(failure: str, publishers: Iterable[Publisher]) -> None:
@@ -24,8 +25,9 @@ def end_or_freeze(failure: str, publishers: Iterable[Publisher]) -> None:
     publishers
         All of this process.
     """
-    for publisher in publishers:
-        publisher.wait_for_all_acked(SAID_LIMIT)
+    end = time.monotonic() + SAID_LIMIT
+    for publisher in publishers:  # one that has died never says that it has heard all
+        publisher.wait_for_all_acked(Duration(seconds=max(end - time.monotonic(), 0.0)))
     if failure == 'stuck' and PARENT in os.environ:
         # A frozen process can't see that the one that started it has gone.
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

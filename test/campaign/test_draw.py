@@ -12,7 +12,7 @@ SHIPPED = [name for name in scenario_names() if name.startswith('faults/')]
 MOST = len(SHIPPED) + 12
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=10)
 @given(st.integers(0, 10**9))
 def test_pairs_are_drives_that_a_vehicle_can_make(seed: int) -> None:
     """Two faults of different components, early enough to be seen; no command that would be refused."""

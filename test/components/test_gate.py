@@ -197,3 +197,32 @@ def test_who_is_in_time_again_is_waited_for_again() -> None:
     assert gate.ready() is None
     gate.answer('a', 3)
     assert gate.ready() == 3
+
+
+def test_one_source_can_be_given_up_before_and_while_it_is_awaited() -> None:
+    """The others are waited for as before, and it is, too, once it answers again."""
+    gate = Gate(['a', 'b'], ['state'])
+    gate.open(0)
+    gate.give_up_on(['a', 'nobody'])
+    assert gate.ready() is None and gate.absent() == 'b'
+    gate.answer('b', 0)
+    assert gate.ready() == 0 and gate.missing() == ('a',)
+    gate.close()
+    gate.give_up_on(['state'])
+    gate.open(5)
+    gate.answer('b', 5)
+    assert gate.ready() == 5 and gate.missing() == ('a', 'state')
+    gate.close()
+    gate.answer('a', 5)
+    gate.open(10)
+    assert gate.absent() == 'a, b'
+
+
+def test_nothing_that_was_announced_by_a_dead_driver_is_awaited() -> None:
+    gate = Gate(['driver/step'])
+    gate.open(0)
+    gate.announce(['driver/icr'])
+    gate.give_up_on(['driver/step'])
+    assert gate.ready() is None
+    gate.forget_announced()
+    assert gate.ready() == 0

@@ -106,3 +106,16 @@ def test_what_was_said_at_the_start_is_logged_there_however_late_it_comes() -> N
     journal.add(*message('/diagnostics', 0, 'a'))
     journal.flush()
     assert [row[2] for row in memory.rows if row[0] == '/diagnostics'] == [0]
+
+
+def test_a_recording_is_complete_without_what_a_dead_node_would_say() -> None:
+    journal = Journal(Memory(), 'car', PERIOD)
+    for name, data in cycle(0):
+        journal.add(name, data)
+    journal.add(*message('front_left/command', PERIOD))
+    journal.add(*message('joint_states', PERIOD))
+    assert not journal.complete(PERIOD)
+    journal.miss(['front_left/state', 'ready'])
+    assert journal.complete(PERIOD)
+    journal.add(*message('front_left/state', 0))
+    assert not journal.complete(PERIOD)

@@ -4,21 +4,18 @@ import csv
 
 import pytest
 
-from .conftest import Lab
+from .conftest import Lab, finish
 
 pytestmark = pytest.mark.graph
 
 
-def test_a_campaign_leaves_a_verdict_on_each_drive_and_no_process(lab: Lab) -> None:
-    """Whatever the verdicts are: the exit code is that of the table, and what passed leaves no directory."""
-    command = lab.command('campaign', '--runs', '6', '--mode', 'offline', '--jobs', '2', '--out', 'found')
-    out, errors = command.communicate(timeout=240.0)
+def test_a_campaign_leaves_a_verdict_on_each_drive_and_goes_on_with_what_is_there(lab: Lab) -> None:
+    """The first two drives, of shipped faults, pass; what passed leaves no directory, and is not driven again."""
+    for runs, said in ('1', '1 of 1 drives passed'), ('2', '2 of 2 drives passed'):
+        out, _ = finish(lab.command('campaign', '--runs', runs, '--mode', 'offline', '--out', 'found'))
+        assert said in out
     with (lab.path / 'found' / 'runs.csv').open() as file:
-        rows = list(csv.DictReader(file))
-    assert [row['run'] for row in rows] == list('123456')
-    assert not [row for row in rows if row['failures']], rows
-    failed = [row['run'] for row in rows if row['passed'] != 'True']
-    assert command.returncode == (2 if failed else 0), errors
-    assert f'{6 - len(failed)} of 6 drives passed' in out
-    kept = {path.name for path in (lab.path / 'found').iterdir() if path.is_dir()}
-    assert kept == {f'run_{int(number):04}' for number in failed}
+        assert [(row['run'], row['failures']) for row in csv.DictReader(file)] == [('1', ''), ('2', '')]
+    assert {path.name for path in (lab.path / 'found').iterdir()} == {'runs.csv', 'runs.json', 'campaign.md'}
+    _, errors = finish(lab.command('campaign', '--mode', 'offline', '--seed', '1', '--out', 'found'), 2)
+    assert errors == 'error: found: holds a campaign with seed 0, not 1; name another directory\n'
