@@ -39,7 +39,8 @@ OUTAGE = 0.2
 def test_lock_step_takes_nodes_back_that_were_killed(lab: Lab) -> None:
     """Killed while the wheels point to the left, all three have a part in their turn to the right.
 
-    The others wait until they are there again, so that it costs no simulated time to start them. The faults that kill them are said once: a driver that is started again does not say them to itself.
+    The others wait until they are there again, so that it costs no simulated time to start them. The faults that kill
+    them are said once: a driver that is started again does not say them to itself.
     """
     faults = ''.join(f'  - {{at: 0.8, component: {component}, failure: off}}\n' for component in COMPONENTS)
     out, _ = finish(lab.command('run', str(lab.scenario(KILLED + faults)), '--restart', '--out', 'run'))
