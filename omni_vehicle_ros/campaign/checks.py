@@ -106,29 +106,45 @@ def marks(component: str) -> tuple[str, ...]:
     words: list[str] = [wheel for wheel in WHEELS if topic.startswith(f'{wheel}/')]
     words = words or [topic, topic.rpartition('/')[2]]
     if component == CLOCK:
-        words += ['stamp', 'time went', 'time jumped']
+        words.append('stamp')
     if component == DRIVER or topic.startswith(f'{DRIVER}/'):
         words.append(SILENCE)
     return tuple(dict.fromkeys(word.replace('_', ' ') for word in words))
 
 
-def named_after(event: FaultEvent, troubles: Iterable[Trouble]) -> float | None:
+def begin_of(event: FaultEvent, events: Iterable[FaultEvent]) -> float:
+    """Return the least stamp of what comes after a fault [s]: earlier than its own if the clock then goes back.
+
+    Parameters
+    ----------
+    event
+        The fault.
+    events
+        All faults of the drive.
+    """
+    jumps = [e.at + e.fault.value for e in events if e.fault.component == CLOCK and e.at >= event.at]
+    return min(event.at, *jumps) if jumps else event.at
+
+
+def named_after(event: FaultEvent, events: Iterable[FaultEvent], troubles: Iterable[Trouble]) -> float | None:
     """Return after what time a diagnostic names a faulty component [s]; None if none does.
 
     Parameters
     ----------
     event
         The fault.
+    events
+        All faults of the drive.
     troubles
         The diagnostics above OK, each when it was said first: what was said before the fault doesn't count, nor
         who else publishes a topic. A node that belongs to a wheel names the wheel when it complains.
     """
-    words = marks(event.fault.component)
+    words, begin = marks(event.fault.component), begin_of(event, events)
     for trouble in troubles:
         if trouble.node.endswith(PUBLISHERS):
             continue
         owner = trouble.node if any(f'/{wheel}/' in trouble.node for wheel in WHEELS) else ''
         text = f'{owner} {trouble.message}'.replace('_', ' ')
-        if trouble.time >= event.at - ROUNDING and any(word in text for word in words):
-            return trouble.time - event.at
+        if trouble.time >= begin - ROUNDING and any(word in text for word in words):
+            return trouble.time - begin
     return None

@@ -83,7 +83,7 @@ def judge(drive: Drive, trial: Trial) -> Verdict:
 def _findings(drive: Drive, found: list[Trouble]) -> list[Finding]:
     findings = []
     for event in drive.scenario.faults:
-        after = named_after(event, found)
+        after = named_after(event, drive.scenario.faults, found)
         findings.append(Finding(event, after, after is not None or has_effect(drive.scenario, event)))
     return findings
 

@@ -19,6 +19,10 @@ from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 START_UP = 2_000_000_000
 """Simulated time until every module must have answered once [ns]."""
 
+SAME_ANGLE = 1e-9
+"""Differences of a steer angle that come from rounding [rad]."""
+
+
 class _Actuators(NamedTuple):
     """What one module said that it does: steer angle [rad], rate [rad/s], drive torque [N m]."""
 
@@ -54,7 +58,7 @@ class Plant:
         Proportional gains by which the wheels steer to zero side slip without any lag, in the exact algebraic
         form; the angles of the modules are their set-points then.
     steering
-        Gives range and fastest turn of a wheel whose motor is off.
+        Gives range and fastest turn of a wheel whose motor is off, or that is not where its module has it.
 
     Attributes
     ----------
@@ -172,9 +176,23 @@ class Plant:
             if topic in missing:
                 held = self._actuators[wheel]
                 self._actuators[wheel] = _Actuators(held.angle)
+            else:
+                self._catch_up(wheel)
         self._move()
         jump, self._jump = max(self._jump, -stamp), 0
         return self._sense(stamp + self.period + jump)
+
+    def _catch_up(self, wheel: int) -> None:
+        """Turn a wheel that is not where its module has it no faster than it can.
+
+        It is so after lost messages or a jump of the clock. Ideal actuators are at once where they are told to be.
+        """
+        (angle, rate, torque), here = self._actuators[wheel], self._now.steer_angle[wheel]
+        if abs(angle - here) <= SAME_ANGLE or self._steering.ideal_actuators or self._slip_gain[wheel] > 0.0:
+            return
+        period, most = self._plant.control_period, self._steering.steer_rate_limit
+        rate = min(max((angle + rate * period - here) / period, -most), most)
+        self._actuators[wheel] = _Actuators(here, rate, torque)
 
     def _move(self) -> None:
         """Let one control cycle pass."""

@@ -42,7 +42,7 @@ class PlantNode(Shell):
     def build(self) -> None:
         """Read the parameters and make component and ports."""
         vehicle, plant = declare(self, VehicleParameters), declare(self, PlantParameters)
-        steering = declare(self, WheelModuleParameters, only=('steer_rate_limit', 'steer_limit'))
+        steering = declare(self, WheelModuleParameters, only=('ideal_actuators', 'steer_rate_limit', 'steer_limit'))
         self._plant = Plant(
             vehicle, plant, name=self.full_name, publish_clock=self.pacing.publish_clock, steering=steering
         )

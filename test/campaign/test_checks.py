@@ -96,18 +96,27 @@ def fault(component: str, failure: str, at: float = 1.0) -> FaultEvent:
 def test_a_diagnostic_names_a_fault_after_it_only_and_by_its_own_words() -> None:
     stuck = fault('front_left/steering', 'stuck')
     text = 'front_left: steering is stuck'
-    assert named_after(stuck, [Trouble(1.25, 2, '/run/icr_steering', text)]) == 0.25
-    assert named_after(stuck, [Trouble(0.5, 2, '/run/icr_steering', text)]) is None
-    assert named_after(stuck, [Trouble(1.25, 2, '/run/icr_steering', 'front_right: steering is stuck')]) is None
-    assert named_after(stuck, [Trouble(1.25, 1, '/run/front_left/wheel_module', 'trim is beyond')]) == 0.25
-    assert named_after(stuck, [Trouble(1.25, 1, '/run/plant: inputs', f'{text} has 2 publishers')]) is None
+    assert named_after(stuck, [stuck], [Trouble(1.25, 2, '/run/icr_steering', text)]) == 0.25
+    assert named_after(stuck, [stuck], [Trouble(0.5, 2, '/run/icr_steering', text)]) is None
+    other = Trouble(1.25, 2, '/run/icr_steering', 'front_right: steering is stuck')
+    assert named_after(stuck, [stuck], [other]) is None
+    assert named_after(stuck, [stuck], [Trouble(1.25, 1, '/run/front_left/wheel_module', 'trim is beyond')]) == 0.25
+    assert named_after(stuck, [stuck], [Trouble(1.25, 1, '/run/plant: inputs', f'{text} has 2 publishers')]) is None
+
+
+def test_what_is_said_after_the_clock_went_back_counts_by_its_stamps() -> None:
+    back, stuck = FaultEvent(1.0, make_fault('clock', 'wrong', -0.5)), fault('imu', 'stuck', 0.8)
+    said = [Trouble(0.505, 1, '/icr_steering', 'the clock went back'), Trouble(0.6, 1, '/side_slip_controller', 'imu')]
+    assert named_after(back, [stuck, back], said) == pytest.approx(0.005)
+    assert named_after(stuck, [stuck, back], said) == pytest.approx(0.1)
+    assert named_after(stuck, [stuck], said) is None
 
 
 def test_a_sensor_is_not_named_by_the_name_of_who_complains() -> None:
     slip = fault('tyres/side_slip', 'off')
     complaint = Trouble(1.5, 2, '/side_slip_controller', 'what is measured or commanded is not finite')
-    assert named_after(slip, [complaint]) is None
-    assert named_after(slip, [complaint._replace(message='side_slip has no numbers')]) == 0.5
+    assert named_after(slip, [slip], [complaint]) is None
+    assert named_after(slip, [slip], [complaint._replace(message='side_slip has no numbers')]) == 0.5
     assert 'command timeout' in marks('messages/driver/icr')
     assert marks('messages/rear_left/command') == ('rear left',)
 

@@ -1,6 +1,7 @@
 """The plant as a component: what its messages say fits together, and bad ones do it no harm."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
@@ -10,7 +11,7 @@ from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.components.joints import JOINT_NAMES, vehicle_joints
 from omni_vehicle_ros.components.plant import Plant
 from omni_vehicle_ros.messages import Diagnostics, Forces, Imu, Joints, Odometry, Step, Value, Vector
-from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
+from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters, WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS
 
 VEHICLE = VehicleParameters()
@@ -67,17 +68,34 @@ def test_steer_angle_moves_linearly_within_a_cycle() -> None:
     plant = Plant(VEHICLE, PlantParameters())
     plant.begin()
     for wheel in WHEELS:
-        plant.receive(*state(wheel, 0, 0.1, 2.0), 0)
+        plant.receive(*state(wheel, 0, 0.0, 2.0), 0)
     joints = vehicle_joints(said(plant.step(0), 'joint_states'))
     assert joints is not None
-    assert joints.steer_angle == pytest.approx((0.11,) * 4)
+    assert joints.steer_angle == pytest.approx((0.01,) * 4)
+
+
+def test_a_wheel_turns_no_faster_than_it_can_to_where_its_module_has_it() -> None:
+    """As after lost messages; ideal actuators have no such limit."""
+    limits = WheelModuleParameters(steer_rate_limit=2.0)
+    plant = Plant(VEHICLE, PlantParameters(), steering=limits)
+    ideal = Plant(VEHICLE, PlantParameters(), steering=replace(limits, ideal_actuators=True))
+    angles = []
+    for one in (plant, ideal):
+        one.begin()
+        for cycle in range(12):
+            one.receive(*state('front_left', cycle * PERIOD, 0.1), 0)
+            joints = vehicle_joints(said(one.step(cycle * PERIOD), 'joint_states'))
+            assert joints is not None
+            angles.append(joints.steer_angle[0])
+    assert angles[:10] == pytest.approx([0.01 * cycle for cycle in range(1, 11)])
+    assert angles[10:] == pytest.approx([0.1] * 14)
 
 
 def test_a_silent_module_leaves_its_wheel_passive_and_is_named() -> None:
     plant = Plant(VEHICLE, PlantParameters())
     plant.begin()
     for wheel in WHEELS:
-        plant.receive(*state(wheel, 0, 0.1, 1.0, 50.0), 0)
+        plant.receive(*state(wheel, 0, 0.0, 1.0, 50.0), 0)
     plant.step(0)
     outputs = plant.step(PERIOD, ('rear_left/state',))
     joints = vehicle_joints(said(outputs, 'joint_states'))
@@ -85,7 +103,7 @@ def test_a_silent_module_leaves_its_wheel_passive_and_is_named() -> None:
     assert joints is not None
     assert isinstance(diagnostics, Diagnostics)
     assert joints.torque == (50.0, 50.0, 0.0, 50.0)
-    assert joints.steer_angle[2] == pytest.approx(0.105)
+    assert joints.steer_angle[2] == pytest.approx(0.005)
     assert joints.steer_rate[2] == 0.0
     assert diagnostics.statuses[0].level == 2
     assert 'rear_left/wheel_module' in diagnostics.statuses[0].message
