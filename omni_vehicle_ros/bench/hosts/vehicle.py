@@ -72,7 +72,7 @@ class SpreadVehicle:
         host = role if role in HOSTS else PLANT
         self._processes.spawn(
             role, f'nodes.{executable}', ['--ros-args', '--params-file', str(self._parameters), *remap],
-            [*self.hosts.prefix(host), *ENVIRONMENT],
+            prefix=[*self.hosts.prefix(host), *ENVIRONMENT],
         )
 
     def _drives(self) -> bool:
