@@ -4,14 +4,14 @@ import json
 import math
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
 
 from omni_vehicle_ros.analysis import compute_metrics
 from omni_vehicle_ros.analysis.plots import draw_plots
 from omni_vehicle_ros.bags import Bag
 from omni_vehicle_ros.bags.memory import MemoryWriter
-from omni_vehicle_ros.errors import BagError
+from omni_vehicle_ros.errors import BagError, MessageError
 from omni_vehicle_ros.interface import TOPICS, topic
 from omni_vehicle_ros.messages import Forces, Joints, Odometry, Twist, Value, Vector, encode
 from omni_vehicle_ros.scenarios import load_scenario
@@ -27,10 +27,17 @@ READ = [row for row in TOPICS if row.name in (
 )]
 
 
+class Drive(list[tuple[str, bytes, int]]):
+    """Topics, messages and stamps; too many to be printed."""
+
+    def __repr__(self) -> str:
+        return 'a drive'
+
+
 @pytest.fixture(scope='module')
-def drive() -> list[tuple[str, bytes, int]]:
+def drive() -> Drive:
     """Return what a vehicle says in 1.2 s."""
-    return [(name, encode(topic(name).type, value), value.stamp) for name, value in Motion(1.2)._messages()]
+    return Drive((name, encode(topic(name).type, value), value.stamp) for name, value in Motion(1.2)._messages())
 
 
 def bag(drive: list[tuple[str, bytes, int]], others: Said) -> Bag:
@@ -54,7 +61,11 @@ foreign = st.sampled_from(READ).flatmap(
 @given(others=st.lists(foreign, min_size=1, max_size=3))
 def test_whatever_others_say_there_are_figures_or_one_line(drive, others):
     try:
-        found = compute_metrics(bag(drive, others))
+        strange = bag(drive, others)
+    except MessageError:  # there is no such message
+        reject()
+    try:
+        found = compute_metrics(strange)
     except BagError as error:
         assert '\n' not in str(error)
     else:
