@@ -33,6 +33,8 @@ class OrderCheck:
         now
             When it came in [ns].
         """
+        if self._last is not None and self._last - now > LATE * self._period:
+            self._last = None  # the clock went back
         last, longest = self._last, _OTHER_CLOCK * self._period
         if stamp and last is not None and 0 <= last - stamp <= longest:
             self._wrong = 'comes twice' if stamp == last else 'comes out of order: the older message is dropped'

@@ -210,3 +210,11 @@ def test_messages_that_come_twice_late_or_out_of_order_are_named():
     assert order.take(5 * STEP, 10 * STEP) and 'late' in order.wrong()
     assert order.take(1000 * STEP, 1000 * STEP) and order.take(5 * STEP, 5 * STEP) and order.wrong() == ''
     assert order.take(0, 6 * STEP) and order.take(0, 7 * STEP) and order.wrong() == ''
+
+
+def test_after_a_clock_that_went_back_by_little_messages_are_in_order_again():
+    order = OrderCheck('front_left/command', STEP)
+    assert order.take(200 * STEP, 200 * STEP)
+    for cycle in range(150, 160):
+        assert order.take(cycle * STEP, cycle * STEP)
+        assert order.wrong() == ''
