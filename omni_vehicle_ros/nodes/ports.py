@@ -46,7 +46,8 @@ def subscription_profile(
 
 def on_this_machine() -> bool:
     """Return whether all nodes that can be heard are on this machine."""
-    return os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE') == 'LOCALHOST'
+    elsewhere = any(map(os.environ.get, ('ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER')))
+    return os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE') == 'LOCALHOST' and not elsewhere
 
 
 def publish_on(node: Node, topic: Topic, namespace: str) -> Publisher:
