@@ -20,6 +20,9 @@ _TOPICS: dict[str, tuple[str, ...]] = {
 }
 """The joints that each names."""
 
+_PLACE = 'x', 'y', 'heading'
+"""What of odom makes a path; other numbers that are not finite are left out where they matter."""
+
 _REMEDY = 'somebody else than the plant has published there; look at it by: omni_vehicle export'
 
 
@@ -29,8 +32,7 @@ def check_sound(bag: Bag) -> None:
     Raises
     ------
     BagError
-        A message names other joints than the plant does, or a number is larger than `LARGEST`, or one of odom not
-        finite.
+        A message names other joints than the plant does, a number is larger than `LARGEST`, or a place is not finite.
     """
     for topic in _TOPICS:
         if has(bag, topic):
@@ -49,9 +51,10 @@ def _check_names(bag: Bag, topic: str) -> None:
 
 
 def _check_numbers(bag: Bag, topic: str, name: str, column: Array) -> None:
-    strange = np.abs(column) > LARGEST
-    if topic == 'odom':
-        strange |= np.isnan(column)
+    finite = np.isfinite(column)
+    strange = finite & (np.abs(column) > LARGEST)
+    if topic == 'odom' and name in _PLACE:
+        strange |= ~finite
     if strange.any():
         row = int(np.argmax(strange.reshape(len(column), -1).any(axis=1)))
         value = column[row][strange[row]].flat[0] if column.ndim > 1 else column[row]

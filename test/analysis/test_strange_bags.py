@@ -77,7 +77,7 @@ def test_whatever_others_say_there_are_figures_or_one_line(drive, others):
     ('tyres/side_slip', Joints(0, WHEELS[:1], (1e300,)), 'tyres/side_slip: position is 1e+300'),
     ('joint_states', Joints(0, ()), ''),
     ('odom', Odometry(0, math.nan, 0.0, 0.0, 1.0, 0.0, 0.0), 'odom: x is nan at 0.500 s'),
-    ('odom', Odometry(0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0), 'odom: vx is inf at 0.500 s'),
+    ('odom', Odometry(0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0), ''),
 ])
 def test_what_the_plant_can_not_have_said_is_named(drive, name, value, words):
     spoiled = bag(drive, [(name, value, 0.5)])
@@ -87,6 +87,9 @@ def test_what_the_plant_can_not_have_said_is_named(drive, name, value, words):
         assert words in str(caught.value)
     else:
         compute_metrics(spoiled)
+        for plot in draw_plots(spoiled, load_scenario('simple_turning')):
+            for axes in plot.figure.axes:
+                assert all(map(math.isfinite, (*axes.get_xlim(), *axes.get_ylim()))), plot.name
 
 
 def test_plots_leave_out_what_nobody_can_follow(drive):
