@@ -1,7 +1,9 @@
-"""How punctual the graph is in real time, and what its processes take, at two control periods."""
+"""How punctual the graph is in real time, and what its processes take: at two control periods, in two modes."""
 
 import signal
 import tempfile
+import threading
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from statistics import median
@@ -18,7 +20,9 @@ CALIBRATIONS = 5
 
 
 def bench(progress: Progress = lambda done: None, *, duration: float = DURATION) -> Result:
-    """Drive in real time at each of `PERIODS`; return missed cycles, answers, jitter, CPU time and memory.
+    """Drive in real time at each of `PERIODS`, in processes and in one process, beside a thread that only sleeps.
+
+    Returns missed cycles, answers, jitter, CPU time and memory.
 
     Parameters
     ----------
@@ -29,16 +33,60 @@ def bench(progress: Progress = lambda done: None, *, duration: float = DURATION)
     """
     lines: list[Line] = []
     calibrations: list[Time] = []
-    for number, period in enumerate(PERIODS):
-        share = 1.0 / len(PERIODS)
+    drives = [(period, one_process) for period in PERIODS for one_process in (False, True)]
+    for number, (period, one_process) in enumerate(drives):
+        share = 1.0 / len(drives)
         calibrations += (timed(calibrate) for _ in range(CALIBRATIONS))
-        found = drive(period, duration, lambda time: progress(share * (number + min(time / duration, 1.0))))  # noqa: B023
-        lines += lines_of(period, found)
+        with Sleeper(period) as sleeper:
+            found = drive(
+                period, duration, lambda time: progress(share * (number + min(time / duration, 1.0))),  # noqa: B023
+                one_process=one_process,
+            )
+        lines += lines_of(period, found, sleeper, one_process=one_process)
     return Result(tuple(lines), Time(*map(median, zip(*calibrations, strict=True))))
 
 
-def drive(period: float, duration: float, advance: Progress) -> Mapping[str, Any]:
-    """Drive in a circle in processes, recorded, at factor 1; return `Graph.real_time`."""
+class Sleeper:
+    """A thread that does nothing but sleep from tick to tick, in a ``with`` block: what the machine itself makes late.
+
+    Parameters
+    ----------
+    period
+        Time from one tick to the next [s].
+
+    Attributes
+    ----------
+    ticks, late
+        Counted so far, and those of them that came more than half a period late.
+    """
+
+    def __init__(self, period: float) -> None:
+        self.ticks = self.late = 0
+        self._period = period
+        self._thread = threading.Thread(target=self._sleep)
+        self._over = False
+
+    def _sleep(self) -> None:
+        due = time.monotonic() + self._period
+        while not self._over:
+            time.sleep(max(due - time.monotonic(), 0.0))
+            self.ticks += 1
+            self.late += time.monotonic() - due > 0.5 * self._period
+            due += self._period
+
+    def __enter__(self) -> 'Sleeper':
+        """Begin."""
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Come to an end with the next tick."""
+        self._over = True
+        self._thread.join()
+
+
+def drive(period: float, duration: float, advance: Progress, *, one_process: bool) -> Mapping[str, Any]:
+    """Drive in a circle, recorded, at factor 1; return `Graph.real_time`."""
     scenario = make_scenario('bench', {
         'duration': duration,
         'side_slip_control': True,
@@ -49,18 +97,20 @@ def drive(period: float, duration: float, advance: Progress) -> Mapping[str, Any
         directory = Path(folder)
         (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
         graph = Graph(
-            directory, scenario, NODES, one_process=False, pacing='realtime', namespace='/bench', publish_clock=False
-        )
+            directory, scenario, NODES, one_process=one_process, pacing='realtime', namespace='/bench',
+            publish_clock=False,
+        )  # fmt: skip
         graph.run(advance)
         if graph.interrupted:
             signal.raise_signal(graph.interrupted)
     return graph.real_time
 
 
-def lines_of(period: float, found: Mapping[str, Any]) -> list[Line]:
+def lines_of(period: float, found: Mapping[str, Any], sleeper: Sleeper, *, one_process: bool) -> list[Line]:
     """Return what to print about a drive at one control period [s]."""
-    at = f'at {period * 1e3:g} ms'
-    note = 'none on a free machine' if period == PERIODS[0] else ''
+    at = f'at {period * 1e3:g} ms {"in one process" if one_process else "in processes"}'
+    goal = 'goal: none on a free machine; ' if period == PERIODS[0] else ''
+    note = f'{goal}a thread that only sleeps was late {sleeper.late:,} times in {sleeper.ticks:,}'
     lines = [Line(f'missed cycles {at}', f'of {found["cycles"]:,}', float(found['missed']), note=note)]
     for name, words in (('answer', 'answer after the tick'), ('jitter', 'jitter of the answers')):
         spread = found[name] or {}
