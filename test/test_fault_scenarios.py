@@ -1,11 +1,11 @@
 """Scenarios of faults, offline: nothing but numbers, wheels within range and rate, and what each fault is to do."""
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
+from omni_vehicle_ros.campaign.checks import numbers
 from omni_vehicle_ros.components.component import Output
 from omni_vehicle_ros.faults import read_faults
 from omni_vehicle_ros.scenarios import Scenario, load_scenario, scenario_names
@@ -20,14 +20,6 @@ def drive(scenario: Scenario) -> list[Output]:
     outputs: list[Output] = []
     Simulation(scenario, outputs.append).run()
     return outputs
-
-
-def numbers(value: object) -> Iterator[float]:
-    if isinstance(value, float):
-        yield value
-    elif isinstance(value, tuple):
-        for entry in value:
-            yield from numbers(entry)
 
 
 def truth(outputs: list[Output], topic: str) -> list:

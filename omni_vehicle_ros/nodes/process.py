@@ -106,8 +106,9 @@ def _live(make: Make, make_executor: Callable[..., Executor], context: Context, 
 class Taking:
     """Takes messages, one after the other, and looks at the clock after each.
 
-    Not by ``spin_until_future_complete``: each call of that keeps some memory for ever where pybind11 3.0 has built
-    rclpy (https://github.com/pybind/pybind11/pull/6010), and looks at its time-out only when no message waits.
+    Not by ``spin_until_future_complete``: each call of that keeps some memory for ever in the wheels of PyPI, most
+    likely by pybind11 3.0 (https://github.com/pybind/pybind11/pull/6010), and looks at its time-out only when no
+    message waits.
 
     Parameters
     ----------

@@ -144,7 +144,8 @@ class Shell(ManagedNode):
                     self.subscribe(row, earlier.hear, always=True)
                     self.subscribe(row, earlier.hear_earlier, depth=1, latched=True, always=True)
                     continue
-                depth = None if reliable or row.name != component.beat else 1  # an older beat is out of date, too
+                # In real time an older beat is out of date, too.
+                depth = 1 if row.name == component.beat and not self.lockstep else None
                 hear = self._decoder(row, self.take)
                 inlet = self.subscribe(row, hear, self.take, reliable=reliable, depth=depth)
                 if row.name in fetched and not self.exchange.shared:
