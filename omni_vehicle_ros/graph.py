@@ -22,6 +22,9 @@ from omni_vehicle_ros.scenarios.parameter_file import parameter_file
 WATCH_PERIOD = 0.1
 LOAD_PERIOD = 0.5
 
+BESIDE = ('rear_left/wheel_module', 'rear_right/wheel_module')
+"""Nodes that act while the other modules do, on the neighbour of the core that all others share in lock step."""
+
 RESTARTS = 5
 """How often a node is started again that died."""
 
@@ -141,9 +144,13 @@ class Graph:
     def _spawn(self, role: str, executable: str, options: list[str], namespace: str, *arguments: str) -> None:
         remap = ['-r', f'__ns:={namespace}'] if namespace else []
         options = [*options, '--ros-args', '--params-file', str(self._parameters), *remap, *arguments]
-        # The recorder works beside those who take turns.
-        core = None if role == RECORDER else self._core.number
-        self.processes.spawn(role, f'nodes.{executable}', options, core=core)
+        self.processes.spawn(role, f'nodes.{executable}', options, core=self._core_of(role))
+
+    def _core_of(self, role: str) -> int | None:
+        """Return the core that a node stays on: those who take turns share one, and two modules work beside."""
+        if role == RECORDER:
+            return None
+        return self._core.neighbour if role in BESIDE else self._core.number
 
     def _watch(self, progress: Callable[[float], None]) -> None:
         last = RECORDER if not self._one_process else 'vehicle'

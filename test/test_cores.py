@@ -22,6 +22,8 @@ def test_each_has_its_own_and_leaves_it_to_others():
         mine = [number for number in numbers if number is not None]
         assert len(set(mine)) == len(mine)
         assert numbers[-1] is None
+        allowed = os.sched_getaffinity(0)
+        assert all(core.neighbour in allowed and core.neighbour != core.number for core in cores if core.number in mine)
         if mine:  # else other vehicles on this machine have them all
             cores[0].let_go()
             cores[-1].claim()
