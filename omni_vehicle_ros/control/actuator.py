@@ -67,6 +67,7 @@ class SteerActuator:
         self._angle = angle
         self._now: int | None = None
         self._foreseen: tuple[int, float] | None = None
+        # From when on each set-point acts [ns]; the first one does already.
         self._staircase: list[tuple[int, float]] = []
         self._rate_limit = parameters.steer_rate_limit
 
@@ -86,10 +87,10 @@ class SteerActuator:
     def reach(self, now: int) -> float:
         """Go on to ``now`` [ns] with the set-points given so far, and return the steer angle there [rad]."""
         if self._now is None or now < self._now:
-            self._staircase = [(now - self._delay, self._angle)]
+            self._staircase = [(now, self._angle)]
         elif self._foreseen is not None and self._foreseen[0] == now:
             self._angle = self._foreseen[1]
-        elif not self._parameters.ideal_actuators:
+        elif now > self._now and not self._parameters.ideal_actuators:
             self._angle = self._follow(self._now, now)
         self._now = now
         return self._angle
@@ -107,7 +108,8 @@ class SteerActuator:
             Time to the next cycle [s].
         """
         limit = self._parameters.steer_limit
-        set_point = min(max(set_point, -limit), limit)
+        if abs(set_point) > limit:
+            set_point = math.copysign(limit, set_point)
         self.reach(now)
         if self._parameters.ideal_actuators:
             self._angle = set_point
@@ -119,23 +121,24 @@ class SteerActuator:
         return SteerMotion(self._angle, (ahead - self._angle) / period)
 
     def _remember(self, now: int, set_point: float) -> None:
-        steps = self._staircase
-        if steps[-1][0] == now:
+        steps, start = self._staircase, now + self._delay
+        if steps[-1][0] == start:
             steps.pop()
-        steps.append((now, set_point))
-        while len(steps) > 1 and steps[1][0] + self._delay <= now:
-            steps.pop(0)
+        steps.append((start, set_point))
+        while len(steps) > 1 and steps[1][0] <= now:
+            del steps[0]
 
     def _follow(self, begin: int, end: int) -> float:
-        angle = self._angle
+        angle, set_point = self._angle, self._staircase[0][1]
         tau, rate_limit = self._parameters.steer_time_constant, self._rate_limit
-        for i, (stamp, set_point) in enumerate(self._staircase):
-            start = max(begin, stamp + self._delay)
-            last = i + 1 == len(self._staircase)
-            stop = end if last else min(end, self._staircase[i + 1][0] + self._delay)
-            if stop > start:
-                angle = lag_step(angle, set_point, (stop - start) / NANOSECONDS, tau, rate_limit)
-        return angle
+        for start, following in self._staircase:
+            if start >= end:
+                break
+            if start > begin:
+                angle = lag_step(angle, set_point, (start - begin) / NANOSECONDS, tau, rate_limit)
+                begin = start
+            set_point = following
+        return lag_step(angle, set_point, (end - begin) / NANOSECONDS, tau, rate_limit)
 
 
 class DriveActuator:
@@ -176,7 +179,8 @@ class DriveActuator:
             Mean torque over the cycle [N m], so that the angular momentum is the exact one.
         """
         limit = self._parameters.drive_torque_limit
-        set_point = min(max(set_point, -limit), limit)
+        if abs(set_point) > limit:
+            set_point = math.copysign(limit, set_point)
         if self._parameters.ideal_actuators:
             return set_point
         ratio = period / self._time_constant
