@@ -146,7 +146,7 @@ class IcrSteering:
             said, trim = self._said.get(STATES[i]), self._trims.pop(TRIMS[i], None)
             if said is None:
                 return Heard(begun=False, silent=late)
-            return Heard(begun=True, silent=stamp - said > self._silence, age=stamp - said, trim=trim)
+            return Heard(True, stamp - said > self._silence, stamp - said, trim)
 
         measured = Measured(joints.steer_angle, joints.wheel_speed, joints.torque)
         return self._monitor.update(stamp, measured, per_wheel(heard))

@@ -1,5 +1,6 @@
 """How old a command is: never received, fresh, or stale."""
 
+import math
 from enum import IntEnum
 
 NANOSECONDS = 1_000_000_000
@@ -38,7 +39,7 @@ class CommandMonitor:
     """
 
     def __init__(self, timeout: float) -> None:
-        self._timeout = round(timeout * NANOSECONDS)
+        self._timeout = round(timeout * NANOSECONDS) or math.inf
         self._since: int | None = None
         self.warning = ''
 
@@ -63,8 +64,11 @@ class CommandMonitor:
         """Return whether the last command still holds at ``now`` [ns]."""
         if self._since is None:
             return Freshness.NEVER
-        fresh = self._timeout == 0 or now - self._since <= self._timeout
-        return Freshness.FRESH if fresh else Freshness.STALE
+        return Freshness.FRESH if now - self._since <= self._timeout else Freshness.STALE
+
+    def fresh(self, now: int) -> bool:
+        """Return whether there is a command and it still holds at ``now`` [ns]."""
+        return self._since is not None and now - self._since <= self._timeout
 
     def age(self, now: int) -> int:
         """Return how old the last command is at ``now`` [ns]; there must be one."""

@@ -140,7 +140,7 @@ class WheelModule:
             Measured speed of the wheel [rad/s].
         """
         self._accept(now)
-        self._notes = [(ERROR, text) for text in self._refused.values()]
+        self._notes = [(ERROR, text) for text in self._refused.values()] if self._refused else []
         if not math.isfinite(wheel_speed):
             self._notes.append((ERROR, f'wheel speed {wheel_speed} is not finite: no brake torque without it'))
             wheel_speed = 0.0
@@ -182,8 +182,9 @@ class WheelModule:
     def _follow(self, now: int) -> tuple[float, float]:
         self._held_angle = None
         trim = self._fresh_trim(now)
-        added = min(max(trim.steer_angle, -self._trim_limit), self._trim_limit)
-        if added != trim.steer_angle:
+        added = trim.steer_angle
+        if abs(added) > self._trim_limit:
+            added = math.copysign(self._trim_limit, added)
             self._notes.append((WARN, f'trim is beyond trim_limit, {self._trim_limit:g} rad: clipped'))
         angle, torque = self._command.steer_angle + added, self._command.torque + trim.torque
         if abs(angle) > self._parameters.steer_limit:
@@ -197,13 +198,14 @@ class WheelModule:
         return angle, torque
 
     def _fresh_trim(self, now: int) -> Trim:
-        state = self._trims.state(now)
-        if state is Freshness.STALE:
+        if self._trims.fresh(now):
+            return self._trim
+        if self._trims.state(now) is Freshness.STALE:
             limit = self._parameters.module_timeout
             self._notes.append(
                 (WARN, f'no trim from {SIDE_SLIP_CONTROLLER} for module_timeout, {limit:g} s: set-point alone')
             )
-        return self._trim if state is Freshness.FRESH else NO_TRIM
+        return NO_TRIM
 
     def _brake(self, torque: float, wheel_speed: float) -> float:
         """Return a torque that brakes as much as the commanded one, and enough [N m]; at rest, what holds."""

@@ -1,18 +1,11 @@
 """What the actuators of a sound wheel module would do with the same set-points."""
 
-from typing import NamedTuple
+import math
 
 from omni_vehicle_ros.control.actuator import DriveActuator, SteerActuator
-from omni_vehicle_ros.control.freshness import CommandMonitor, Freshness
-from omni_vehicle_ros.control.wheel_module import NO_TRIM, Setpoint, Trim
+from omni_vehicle_ros.control.freshness import CommandMonitor
+from omni_vehicle_ros.control.wheel_module import NO_TRIM, Trim
 from omni_vehicle_ros.parameters import WheelModuleParameters
-
-
-class Expected(NamedTuple):
-    """What a sound module has done at the end of a cycle: steer angle [rad], mean drive torque over it [N m]."""
-
-    steer_angle: float
-    torque: float
 
 
 class ActuatorTwin:
@@ -38,14 +31,25 @@ class ActuatorTwin:
         self._trim = NO_TRIM
         self._period, self._trim_limit = control_period, trim_limit
 
-    def update(self, command: Setpoint, trim: Trim | None) -> Expected:
-        """Go on by the cycle that a command belongs to; ``trim`` is that of the cycle, None if none has come."""
+    def update(self, stamp: int, steer_angle: float, torque: float, trim: Trim | None) -> tuple[float, float]:
+        """Go on by one cycle; return the steer angle at its end [rad] and the mean drive torque over it [N m].
+
+        Parameters
+        ----------
+        stamp
+            Of the cycle [ns].
+        steer_angle, torque
+            What the module was told [rad], [N m].
+        trim
+            That of the cycle; None if none has come.
+        """
         if trim is not None:
-            self._trims.received(trim.stamp, command.stamp)
+            self._trims.received(trim.stamp, stamp)
             self._trim = trim
-        fresh = self._trims.state(command.stamp) is Freshness.FRESH
-        added, torque = (self._trim.steer_angle, self._trim.torque) if fresh else (0.0, 0.0)
-        added = min(max(added, -self._trim_limit), self._trim_limit)
-        motion = self._steer.update(command.stamp, command.steer_angle + added, self._period)
-        made = self._drive.update(command.torque + torque, self._period)
-        return Expected(motion.angle + motion.rate * self._period, made)
+        if self._trims.fresh(stamp):
+            added, torque = self._trim.steer_angle, torque + self._trim.torque
+            if abs(added) > self._trim_limit:
+                added = math.copysign(self._trim_limit, added)
+            steer_angle += added
+        motion = self._steer.update(stamp, steer_angle, self._period)
+        return motion.angle + motion.rate * self._period, self._drive.update(torque, self._period)

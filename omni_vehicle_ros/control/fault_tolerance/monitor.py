@@ -12,7 +12,7 @@ from omni_vehicle_ros.control.freshness import NANOSECONDS
 from omni_vehicle_ros.control.health import ERROR, WARN, Note
 from omni_vehicle_ros.control.motion import motion_of_twist
 from omni_vehicle_ros.control.odometry import measured_twist
-from omni_vehicle_ros.control.wheel_module import Setpoint, Trim
+from omni_vehicle_ros.control.wheel_module import Trim
 from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
 from omni_vehicle_ros.parameters import VehicleParameters, WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
@@ -84,15 +84,14 @@ class ModuleMonitor:
         self, vehicle: VehicleParameters, module: WheelModuleParameters, control_period: float, trim_limit: float
     ) -> None:
         self._vehicle = vehicle
-        self._wheels = per_wheel(lambda i: _WheelMonitor(module, control_period, trim_limit))
-        self._told: PerWheelSetpoints | None = None
+        self._wheels = per_wheel(lambda i: _WheelMonitor(i, module, control_period, trim_limit))
+        self._told: _Told | None = None
         self._now: int | None = None
         self._condition = SOUND
 
     def told(self, stamp: int, twist: Twist, steer_angle: PerWheel, torque: PerWheel) -> None:
         """Note the set-points of a cycle, and the motion that they belong to."""
-        setpoints = per_wheel(lambda i: Setpoint(stamp, steer_angle[i], 0.0, torque[i]))
-        self._told = PerWheelSetpoints(twist, setpoints)
+        self._told = _Told(stamp, twist, steer_angle, torque)
 
     def update(self, stamp: int, measured: Measured, heard: tuple[Heard, Heard, Heard, Heard]) -> Condition:
         """Take one cycle and return what is wrong.
@@ -111,13 +110,11 @@ class ModuleMonitor:
         told, self._now = self._told, stamp
         if told is None or not all(map(math.isfinite, (*measured.steer_angle, *measured.wheel_speed))):
             return self._condition
-        watched, angles, torque = self._wheels, measured.steer_angle, measured.torque
-        ground = _Ground(self._vehicle, told.twist, measured)
-        wheels = per_wheel(
-            lambda i: watched[i].update(stamp, told.wheels[i], heard[i], _Seen(i, angles[i], torque[i], ground))
-        )
-        trims, offsets = per_wheel(lambda i: watched[i].trim), per_wheel(lambda i: watched[i].offset)
-        self._condition = Condition(wheels, torque, trims, offsets)
+        watched, ground = self._wheels, _Ground(self._vehicle, told.twist, measured)
+        wheels = per_wheel(lambda i: watched[i].update(stamp, told, heard[i], measured, ground))
+        fl, fr, rl, rr = watched
+        trims, offsets = (fl.trim, fr.trim, rl.trim, rr.trim), (fl.offset, fr.offset, rl.offset, rr.offset)
+        self._condition = Condition(wheels, measured.torque, trims, offsets)
         return self._condition
 
     @property
@@ -130,12 +127,13 @@ class ModuleMonitor:
         ]
 
 
+class _Told(NamedTuple):
+    """What the wheels were told: stamp [ns], motion, steer angles [rad], drive torques [N m]."""
 
-class PerWheelSetpoints(NamedTuple):
-    """What the wheels were told: the motion and the set-points of each."""
-
+    stamp: int
     twist: Twist
-    wheels: tuple[Setpoint, Setpoint, Setpoint, Setpoint]
+    steer_angle: PerWheel
+    torque: PerWheel
 
 
 class _Ground:
@@ -171,19 +169,11 @@ class _Ground:
         return wheel_velocities(twist, self._vehicle)[wheel]
 
 
-class _Seen(NamedTuple):
-    """What is seen of one wheel: its number, steer angle [rad], drive torque [N m], and how all move."""
-
-    wheel: int
-    angle: float
-    torque: float
-    ground: _Ground
-
-
 class _WheelMonitor:
     """One wheel."""
 
-    def __init__(self, module: WheelModuleParameters, control_period: float, trim_limit: float) -> None:
+    def __init__(self, wheel: int, module: WheelModuleParameters, control_period: float, trim_limit: float) -> None:
+        self._wheel = wheel
         self._module, self._period, self._trim_limit = module, control_period, trim_limit
         self._lateness = lateness(control_period)
         self._step = round(control_period * NANOSECONDS)
@@ -198,8 +188,10 @@ class _WheelMonitor:
         self._settling = 0
         self._steering, self._drive = SteeringCheck(self._lateness), DriveCheck(self._lateness)
 
-    def update(self, now: int, told: Setpoint, heard: Heard, seen: _Seen) -> WheelCondition:
-        before, self._before = self._before, seen.angle
+    def update(self, now: int, told: _Told, heard: Heard, measured: Measured, ground: _Ground) -> WheelCondition:
+        wheel = self._wheel
+        angle, torque = measured.steer_angle[wheel], measured.torque[wheel]
+        before, self._before = self._before, angle
         self._last_trim = heard.trim.steer_angle if heard.trim else self._last_trim
         self.trim += self._gain * (self._last_trim - self.trim)
         cycles = (now - told.stamp) // self._step
@@ -208,10 +200,11 @@ class _WheelMonitor:
             return WheelCondition(silent=heard.silent)
         if self._twin is None:
             self._twin = ActuatorTwin(self._module, self._period, self._trim_limit, before)
-            self._settling = _SETTLING if abs(seen.torque) > TORQUE_TOLERANCE else 0
-        expected = self._twin.update(told, heard.trim)
+            self._settling = _SETTLING if abs(torque) > TORQUE_TOLERANCE else 0
+        set_point = told.steer_angle[wheel], told.torque[wheel]
+        expected = self._twin.update(told.stamp, *set_point, heard.trim)
         for number in range(1, cycles):
-            expected = self._twin.update(told._replace(stamp=told.stamp + number * self._step), None)
+            expected = self._twin.update(told.stamp + number * self._step, *set_point, None)
         if self._settling:
             self._settling -= 1
             return WheelCondition()
@@ -221,9 +214,8 @@ class _WheelMonitor:
             self._unjudged += 1
             return WheelCondition(self._steering.fault, self._drive.fault)
         self._unjudged = 0
-        ground, wheel = seen.ground, seen.wheel
-        steer = self._steering.update(seen.angle, expected.steer_angle, partial(ground.direction, wheel))
-        drive = self._drive.update(seen.torque, expected.torque, ground.speed[wheel], ground.along(wheel))
+        steer = self._steering.update(angle, expected[0], partial(ground.direction, wheel))
+        drive = self._drive.update(torque, expected[1], ground.speed[wheel], ground.along(wheel))
         return _SOUND if steer is SteerFault.NONE and drive is DriveFault.NONE else WheelCondition(steer, drive)
 
     @property
@@ -232,6 +224,8 @@ class _WheelMonitor:
         return self._steering.offset
 
     def says(self, now: WheelCondition) -> list[Note]:
+        if now is _SOUND and self._unjudged < _UNJUDGED:
+            return []
         if now.silent:
             return [(ERROR, 'wheel module is silent')]
         texts = []
