@@ -68,7 +68,7 @@ class Reporter:
         """Return the message to publish on /diagnostics, or nothing."""
         state = self._hold.update(stamp, state)
         last, age = self._last, stamp - self._when
-        if last is not None and age < DIAGNOSTICS_PERIOD and not _changed(last, state, age):
+        if last is not None and age < DIAGNOSTICS_PERIOD and (state is last or not _changed(last, state, age)):
             return []
         self._last, self._when = state, stamp
         status = Status(state.level, self._name, state.message, state.values)

@@ -115,8 +115,11 @@ class WheelModule:
         """Return what is wrong beside what the law says."""
         notes = [(WARN, self._malformed)] if self._malformed else []
         self._malformed = ''
-        notes += [(WARN, text) for text in (order.wrong() for order in self._orders.values()) if text]
-        self._begun = stamp if self._begun is None else min(self._begun, stamp)
+        for order in self._orders.values():
+            if wrong := order.wrong():
+                notes.append((WARN, wrong))
+        if self._begun is None or stamp < self._begun:
+            self._begun = stamp
         if self._awaits_trim and stamp - self._begun >= START_UP:
             notes.append((WARN, f'no trim from {SIDE_SLIP_CONTROLLER} yet: set-point alone'))
         return notes

@@ -1,5 +1,6 @@
 """How a part of the control is doing, as /diagnostics will say it."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 from omni_vehicle_ros.control.freshness import NANOSECONDS
@@ -63,8 +64,14 @@ def health(notes: list[Note], doing: str, values: tuple[tuple[str, str], ...] = 
         Names and values worth showing beside it.
     """
     if not notes:
-        return Health(((OK, doing),), values)
+        return _fine(doing, values)
     return Health(tuple(sorted(notes, key=lambda note: -note[0])), values)
+
+
+@lru_cache(maxsize=64)
+def _fine(doing: str, values: tuple[tuple[str, str], ...]) -> Health:
+    """Return the state of a part in nearly every cycle: one object, which is quick to compare with itself."""
+    return Health(((OK, doing),), values)
 
 
 class Hold:
@@ -91,7 +98,7 @@ class Hold:
         if stamp < self._now:
             self._held.clear()
         self._now = stamp
-        if now.level == OK and not self._held:
+        if not self._held and now.notes[0][0] == OK:
             return now
         self._held.update((note, stamp) for note in now.notes if note[0] > OK)
         latest = sorted(self._held.items(), key=lambda entry: (-entry[1], -entry[0][0]))[:_MOST]

@@ -19,7 +19,8 @@ class OrderCheck:
     """
 
     def __init__(self, topic: str, period: int) -> None:
-        self._topic, self._period = topic, period
+        self._topic = topic
+        self._late, self._longest = LATE * period, _OTHER_CLOCK * period
         self._last: int | None = None
         self._wrong = ''
 
@@ -33,18 +34,20 @@ class OrderCheck:
         now
             When it came in [ns].
         """
-        if self._last is not None and self._last - now > LATE * self._period:
+        if self._last is not None and self._last - now > self._late:
             self._last = None  # the clock went back
-        last, longest = self._last, _OTHER_CLOCK * self._period
-        if stamp and last is not None and 0 <= last - stamp <= longest:
+        last = self._last
+        if stamp and last is not None and 0 <= last - stamp <= self._longest:
             self._wrong = 'comes twice' if stamp == last else 'comes out of order: the older message is dropped'
             return stamp == last
-        if stamp and LATE * self._period < now - stamp <= longest:
+        if stamp and self._late < now - stamp <= self._longest:
             self._wrong = f'comes more than {LATE} cycles late'
         self._last = stamp or None
         return True
 
     def wrong(self) -> str:
         """Return what has been wrong since the last call; empty if nothing."""
+        if not self._wrong:
+            return ''
         wrong, self._wrong = self._wrong, ''
-        return f'{self._topic} {wrong}' if wrong else ''
+        return f'{self._topic} {wrong}'
