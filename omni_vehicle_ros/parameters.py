@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, TypeVar
 
@@ -202,18 +203,18 @@ class VehicleParameters(Parameters):
         if self.wheel_inertia <= 0.0:
             raise ParameterError('wheel_inertia: 0.0 kg m2 must be above 0 kg m2 with body_model eight_dof')
 
-    @property
+    @cached_property
     def wheelbase(self) -> float:
         """Distance between the axles [m]."""
         return self.cg_to_front_axle + self.cg_to_rear_axle
 
-    @property
+    @cached_property
     def wheel_x(self) -> PerWheel:
         """Positions of the wheels ahead of the centre of gravity [m]."""
         front, rear = self.cg_to_front_axle, -self.cg_to_rear_axle
         return front, front, rear, rear
 
-    @property
+    @cached_property
     def wheel_y(self) -> PerWheel:
         """Positions of the wheels to the left of the centre of gravity [m]."""
         front, rear = 0.5 * self.front_track, 0.5 * self.rear_track

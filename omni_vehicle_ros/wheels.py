@@ -16,6 +16,12 @@ def per_wheel(function: Callable[[int], T]) -> tuple[T, T, T, T]:
     return function(0), function(1), function(2), function(3)
 
 
+def scaled(factor: float, numbers: PerWheel) -> PerWheel:
+    """Return the product of a factor and each of four numbers."""
+    fl, fr, rl, rr = numbers
+    return factor * fl, factor * fr, factor * rl, factor * rr
+
+
 def steer_joint(wheel: str) -> str:
     """Name the joint that turns a wheel about the vertical axis."""
     return f'{wheel}_steer'

@@ -109,7 +109,7 @@ def steer(motion: Motion, reference: PerWheel, vehicle: VehicleParameters, steer
         Geometry; rule and limit.
     """
     twist = twist_of_motion(motion, 1.0, length_scale(vehicle))
-    rule = cast(Literal['road', 'omni'], steering.steering_rule)
+    rule = cast("Literal['road', 'omni']", steering.steering_rule)
     return steer_angles(twist, reference, steering.steer_limit, vehicle, rule)
 
 

@@ -146,7 +146,7 @@ def turn_towards(motion: Motion, target: Motion, angle: float) -> Motion:
         Largest turn [rad]; ``math.inf`` for all of it.
     """
     cosine = _dot(motion, target)
-    ax, ay, ar = (t - cosine * m for t, m in zip(target, motion, strict=True))
+    ax, ay, ar = target.ux - cosine * motion.ux, target.uy - cosine * motion.uy, target.ur - cosine * motion.ur
     sine = math.sqrt(ax * ax + ay * ay + ar * ar)
     if math.atan2(sine, cosine) <= angle:
         return target

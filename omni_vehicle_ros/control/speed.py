@@ -7,7 +7,7 @@ import math
 
 from omni_vehicle_ros.control.traction import STOPPING_RATE, clipped, rolling_signs
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
-from omni_vehicle_ros.wheels import PerWheel, per_wheel
+from omni_vehicle_ros.wheels import PerWheel, per_wheel, scaled
 
 # Of the integral part, which has to find what pulls at a standing vehicle [1/s2]: critical damping.
 _HOLDING_RATE = STOPPING_RATE**2 / 4.0
@@ -113,5 +113,6 @@ class SpeedController:
     def _share(self, total: float, magnitude: float, signs: PerWheel) -> PerWheel:
         # A brake acts on all wheels, whichever of them drive.
         shares = _EQUAL if total * magnitude < 0.0 else self._steering.drive_shares
-        return per_wheel(lambda i: total * shares[i] * signs[i])
+        fl, fr, rl, rr = scaled(total, shares)
+        return fl * signs[0], fr * signs[1], rl * signs[2], rr * signs[3]
 

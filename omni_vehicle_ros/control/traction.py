@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
-from omni_vehicle_ros.wheels import PerWheel, per_wheel
+from omni_vehicle_ros.wheels import PerWheel, per_wheel, scaled
 
 # Rate at which the speed of a wheel that has to stop dies away [1/s]. With the default time constant T of the
 # drive, 0.05 s, 4 T rate = 0.8 is below 1: no overshoot, so a brake doesn't drive the vehicle backwards.
@@ -31,7 +31,8 @@ def rolling_signs(unit_speeds: PerWheel) -> PerWheel:
     largest = max(map(abs, unit_speeds))
     if largest == 0.0:
         return _NO_FORCE
-    return per_wheel(lambda i: min(max(5.0 * unit_speeds[i] / largest, -1.0), 1.0))
+    fl, fr, rl, rr = scaled(5.0, unit_speeds)
+    return clipped((fl / largest, fr / largest, rl / largest, rr / largest), 1.0)
 
 
 def stopping_forces(largest: PerWheel, speeds: PerWheel, mass: float) -> PerWheel:
@@ -198,4 +199,9 @@ def traction_forces(
 
 def clipped(forces: PerWheel, limit: float) -> PerWheel:
     """Return forces that are all within a limit to either side [N]."""
-    return per_wheel(lambda i: min(max(forces[i], -limit), limit))
+    fl, fr, rl, rr = forces
+    return _clip(fl, limit), _clip(fr, limit), _clip(rl, limit), _clip(rr, limit)
+
+
+def _clip(force: float, limit: float) -> float:
+    return math.copysign(limit, force) if abs(force) > limit else force

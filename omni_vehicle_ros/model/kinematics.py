@@ -76,8 +76,13 @@ def twist_of_icr(icr: Icr, speed: float, straight_radius: float = math.inf) -> T
 
 def wheel_velocities(twist: Twist, parameters: VehicleParameters) -> tuple[tuple[float, float], ...]:
     """Return the velocity (forward, leftward) of every wheel's contact in base_link [m/s]; fl, fr, rl, rr."""
-    xs, ys = parameters.wheel_x, parameters.wheel_y
-    return per_wheel(lambda i: (twist.vx - ys[i] * twist.r, twist.vy + xs[i] * twist.r))
+    (vx, vy, r), xs, ys = twist, parameters.wheel_x, parameters.wheel_y
+    return (
+        (vx - ys[0] * r, vy + xs[0] * r),
+        (vx - ys[1] * r, vy + xs[1] * r),
+        (vx - ys[2] * r, vy + xs[2] * r),
+        (vx - ys[3] * r, vy + xs[3] * r),
+    )
 
 
 def road_steer_angles(icr: Icr, parameters: VehicleParameters) -> PerWheel:
@@ -124,33 +129,31 @@ def steer_angles(
         Wheels that have no angle within the limit are marked as not reachable.
     """
     velocities = wheel_velocities(twist, parameters)
-    slowest = RESTING * max(math.hypot(u, w) for u, w in velocities)
+    speeds = [math.hypot(ahead, left) for ahead, left in velocities]
+    slowest = RESTING * max(speeds)
     if rule == 'road':
         limit = min(limit, 0.5 * math.pi)
     # The road rule fixes the direction of rolling by that of the vehicle.
     directions = (1.0, -1.0) if rule == 'omni' else (-1.0 if twist.vx < 0.0 else 1.0,)
-
-    def steer(wheel: int) -> tuple[float, float, bool]:
-        return _steer_wheel(velocities[wheel], reference_angles[wheel], limit, directions, slowest)
-
-    choices = per_wheel(steer)
-    return Steering(
-        per_wheel(lambda i: choices[i][0]), per_wheel(lambda i: choices[i][1]), per_wheel(lambda i: choices[i][2])
-    )
+    choices = [
+        (reference, 0.0, True) if speed <= slowest else _steer_wheel(velocity, speed, reference, limit, directions)
+        for velocity, speed, reference in zip(velocities, speeds, reference_angles, strict=True)
+    ]
+    fl, fr, rl, rr = choices
+    return Steering((fl[0], fr[0], rl[0], rr[0]), (fl[1], fr[1], rl[1], rr[1]), (fl[2], fr[2], rl[2], rr[2]))
 
 
 def _steer_wheel(
-    velocity: tuple[float, float], reference: float, limit: float, directions: tuple[float, ...], slowest: float
+    velocity: tuple[float, float], speed: float, reference: float, limit: float, directions: tuple[float, ...]
 ) -> tuple[float, float, bool]:
-    speed = math.hypot(*velocity)
-    if speed <= slowest:
-        return reference, 0.0, True
-    best: tuple[float, float] | None = None
+    ahead, left = velocity
+    best: tuple[float, float, bool] | None = None
     for direction in directions:
-        angle = math.atan2(direction * velocity[1], direction * velocity[0])
+        angle = math.atan2(direction * left, direction * ahead)
         if abs(angle) > limit + ROUNDING:
             continue
-        angle = max(-limit, min(limit, angle))
+        if not -limit <= angle <= limit:
+            angle = max(-limit, min(limit, angle))
         if best is None or abs(angle - reference) < abs(best[0] - reference):
-            best = angle, direction * speed
-    return (*best, True) if best is not None else (reference, 0.0, False)
+            best = angle, direction * speed, True
+    return best or (reference, 0.0, False)
