@@ -40,24 +40,23 @@ class Arbitration:
     """
 
     def __init__(self, timeout: float) -> None:
-        self._monitors = {source: CommandMonitor(timeout) for source in Source}
-        self._latest: list[Source] = []  # as they spoke, the last one last
+        self._timeout = timeout
+        self._monitors: dict[Source, CommandMonitor] = {}  # as they spoke, the last one last
         self._holder: Source | None = None
 
     def received(self, source: Source, stamp: int, now: int) -> None:
         """Note a valid command of a source, stamped ``stamp``, that came in at ``now`` [ns]."""
-        self._monitors[source].received(stamp, now)
-        if source in self._latest:
-            self._latest.remove(source)
-        self._latest.append(source)
+        monitor = self._monitors.pop(source, None) or CommandMonitor(self._timeout)
+        monitor.received(stamp, now)
+        self._monitors[source] = monitor
 
     def choose(self, now: int) -> Source | None:
         """Return which source drives at ``now`` [ns]; None before any has spoken."""
         fresh = self._fresh(now)
         if fresh:
-            self._holder = max(fresh, key=lambda source: (source.priority, self._latest.index(source)))
-        elif self._holder is None and self._latest:
-            self._holder = self._latest[-1]
+            self._holder = max(reversed(fresh), key=lambda source: source.priority)
+        elif self._holder is None and self._monitors:
+            self._holder = next(reversed(self._monitors))
         return self._holder
 
     def ignored(self, now: int) -> list[Source]:
@@ -80,4 +79,4 @@ class Arbitration:
         return self._monitors[self._holder].warning if self._holder else ''
 
     def _fresh(self, now: int) -> list[Source]:
-        return [source for source, monitor in self._monitors.items() if monitor.state(now) is Freshness.FRESH]
+        return [source for source, monitor in self._monitors.items() if monitor.fresh(now)]
