@@ -17,6 +17,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from omni_vehicle_ros.ending import ENDING, PARENT
+from omni_vehicle_ros.nodes.allocator import give_back
 from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.refusals import REFUSALS, one_line
 
@@ -69,6 +70,7 @@ Make = Callable[[Context, Exchange], Sequence[Served]]
 def run(make: Make, make_executor: Callable[..., Executor] = EventsExecutor) -> int:
     """Make nodes and serve them until one has finished or a signal comes; return the exit code."""
     stop = Stop()
+    give_back()
     context = Context()
     try:
         rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)

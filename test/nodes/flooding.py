@@ -17,6 +17,7 @@ Each says in the end how many messages were sent, and how many a second.
 
 import importlib
 import math
+import os
 import re
 import sys
 import time
@@ -242,6 +243,7 @@ def await_matched(publishers: Iterable[Publisher]) -> None:
 
 
 if __name__ == '__main__':
+    os.environ.setdefault('AMENT_PREFIX_PATH', sys.prefix)  # where the wheels put what they share
     rclpy.init()
     parts = {'commands': commands, 'garbage': garbage, 'strangers': strangers, 'huge': huge, 'drive': drive}
     begin = time.monotonic()
