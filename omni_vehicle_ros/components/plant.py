@@ -271,7 +271,7 @@ class Plant:
         ]
         if self._publish_clock:
             outputs.append(Output('/clock', Clock(stamp)))
-        return self._sensors.apply(stamp, outputs) + self._reporter.report(stamp, self._health(stamp, now))
+        return self._reporter.report(stamp, self._health(stamp, now)) + self._sensors.apply(stamp, outputs)
 
     def _health(self, stamp: int, now: Evaluation) -> Health:
         if self._passive and stamp < START_UP and not self._heard.issuperset(self._passive):

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from omni_vehicle_ros import interface
 from omni_vehicle_ros.components.component import DIAGNOSTICS_PERIOD, ERROR, Reporter
@@ -25,6 +25,22 @@ END_LIMIT = 3.0
 
 BEAT = 'joint_states'
 """The topic that begins a cycle."""
+
+
+class _Queue(NamedTuple):
+    """What waits in the middleware for one subscription."""
+
+    take_message: Callable[..., tuple[bytes, Any] | None]
+    kind: Any
+    hear: Callable[[bytes], None]
+
+    def empty(self) -> None:
+        """Take all of it."""
+        for _ in range(DEPTH):  # a flood on one topic keeps no other waiting for ever
+            found = self.take_message(self.kind, True)
+            if found is None:
+                break
+            self.hear(found[0])
 
 
 class VehicleRecording:
@@ -59,7 +75,8 @@ class VehicleRecording:
         self._statistics = RecordingStatistics()
         self._values: tuple[tuple[str, str], ...] = ()
         self._reported = 0
-        self._waiting: list[tuple[Callable[..., tuple[bytes, Any] | None], Any, Callable[[bytes], None]]] = []
+        self._waiting: list[_Queue] = []
+        self._served: list[_Queue] = []
         for row in node.topics():
             if row.recorded:
                 self._subscribe(row)
@@ -67,9 +84,12 @@ class VehicleRecording:
     def _subscribe(self, row: interface.Topic) -> None:
         take = self._taker(row)
         subscription = self._node.subscribe(row, take, depth=DEPTH).subscription
+        queue = _Queue(subscription.handle.take_message, subscription.msg_type, take)
         if row.cyclic and row.name != BEAT:
             self._node.unserved += (subscription,)
-            self._waiting.append((subscription.handle.take_message, subscription.msg_type, take))
+            self._waiting.append(queue)
+        else:
+            self._served.append(queue)
 
     def _taker(self, row: interface.Topic) -> Callable[[bytes], None]:
         name, type_name = row.name, row.type
@@ -137,20 +157,21 @@ class VehicleRecording:
 
     def take(self) -> None:
         """Take the messages that wait in the middleware."""
-        for take_message, kind, take in self._waiting:
-            for _ in range(DEPTH):  # a flood on one topic keeps no other waiting for ever
-                found = take_message(kind, True)
-                if found is None:
-                    break
-                take(found[0])
+        for queue in self._waiting:
+            queue.empty()
 
     def now(self) -> int:
         """Return simulated time [ns]."""
         return self._journal.now
 
     def end(self) -> None:
-        """Write what waits."""
+        """Write what waits, also what the executor has not handed over yet.
+
+        A node says how it is before its last word of a cycle, so that all of that is here.
+        """
         self.take()
+        for queue in self._served:
+            queue.empty()
         self._journal.flush()
 
     def summary(self) -> str:
