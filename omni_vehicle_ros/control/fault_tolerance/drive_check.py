@@ -15,8 +15,8 @@ LOCKED_AFTER = 10
 LOCKED_SPEED = 0.5
 """Speed over ground from which on a wheel has to turn [m/s]."""
 
-# A wheel that is slower than this share of its speed over ground stands.
-_STANDS = 0.1
+STANDS = 0.02
+"""Speed below which a wheel stands [m/s]: one that is free to turn is soon faster, whatever the others do on ice."""
 
 # A drive that makes less torque than this makes none, and one whose torque varies less is stuck [N m].
 _NO_TORQUE = 1.0
@@ -53,13 +53,13 @@ class DriveCheck:
         measured, expected
             Drive torque [N m].
         speed, over_ground
-            Of the wheel as it turns, and of its place along its heading as the other wheels tell it [m/s].
+            Of the wheel as it turns, and of its place along its heading as those that roll tell it [m/s].
         """
         self._expected.append(expected)
         self._measured.append(measured)
         low, high = min(self._expected) - TORQUE_TOLERANCE, max(self._expected) + TORQUE_TOLERANCE
         wrong = self._debounce.update(not low <= measured <= high)
-        stands = abs(over_ground) > LOCKED_SPEED and abs(speed) < _STANDS * abs(over_ground)
+        stands = abs(over_ground) > LOCKED_SPEED and abs(speed) < STANDS
         # A wheel that its brake stops, as it is told, is not a fault.
         told = expected * over_ground < -TORQUE_TOLERANCE * abs(over_ground)
         if self._locked.update(stands and not told):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from omni_vehicle_ros.control.fault_tolerance.actuator_twin import ActuatorTwin
 from omni_vehicle_ros.control.fault_tolerance.condition import SOUND, Condition, DriveFault, SteerFault, WheelCondition
-from omni_vehicle_ros.control.fault_tolerance.drive_check import TORQUE_TOLERANCE, DriveCheck
+from omni_vehicle_ros.control.fault_tolerance.drive_check import STANDS, TORQUE_TOLERANCE, DriveCheck
 from omni_vehicle_ros.control.fault_tolerance.steering_check import ANGLE_TOLERANCE, SteeringCheck, lateness
 from omni_vehicle_ros.control.freshness import NANOSECONDS
 from omni_vehicle_ros.control.health import ERROR, WARN, Note
@@ -17,9 +17,8 @@ from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
 from omni_vehicle_ros.parameters import VehicleParameters, WheelModuleParameters
 from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 
-# A wheel slower than this tells no direction [m/s]; a wheel slower than this share of the fastest may stand.
+# A wheel slower than this tells no direction [m/s].
 _SLOWEST = 1.0
-_SLOW = 0.1
 
 # A longer gap between two cycles tells nothing about the actuators [cycles]; so long they are not judged then, if
 # their drives pull already [cycles].
@@ -137,17 +136,21 @@ class _Told(NamedTuple):
 
 
 class _Ground:
-    """How the places of the wheels move over ground, as all wheels tell it; worked out only where it matters."""
+    """How the places of the wheels move over ground; worked out only where it matters.
+
+    Wheels that stand may be locked, and are left out. The two or more that roll tell it together with the motion that
+    all were told; one alone may as well spin, and tells nothing of the others.
+    """
 
     def __init__(self, vehicle: VehicleParameters, told: Twist, measured: Measured) -> None:
         self._vehicle, self._told, self._angles = vehicle, told, measured.steer_angle
         radius, rates = vehicle.wheel_radius, measured.wheel_speed
         self.speed: PerWheel = (radius * rates[0], radius * rates[1], radius * rates[2], radius * rates[3])
-        self._slow = _SLOW * max(map(abs, self.speed))
+        self._rolling = [abs(speed) >= STANDS for speed in self.speed]
 
     def along(self, wheel: int) -> float:
         """Return how fast a wheel moves along its heading [m/s]."""
-        if not self._stands(wheel):
+        if self._rolling[wheel] or sum(self._rolling) < 2:
             return self.speed[wheel]
         ahead, left = self._velocity(wheel)
         return ahead * math.cos(self._angles[wheel]) + left * math.sin(self._angles[wheel])
@@ -157,14 +160,11 @@ class _Ground:
         ahead, left = self._velocity(wheel)
         return math.atan2(left, ahead) if math.hypot(ahead, left) > _SLOWEST else None
 
-    def _stands(self, wheel: int) -> bool:
-        return abs(self.speed[wheel]) < self._slow
-
     def _velocity(self, wheel: int) -> tuple[float, float]:
         guess = motion_of_twist(*self._told, 0.5 * self._vehicle.wheelbase)
         if guess is None:
             return 0.0, 0.0
-        weights = per_wheel(lambda i: float(i != wheel or not self._stands(i)))
+        weights = per_wheel(lambda i: float(self._rolling[i]))
         twist = measured_twist(self.speed, self._angles, guess[0], self._vehicle, weights)
         return wheel_velocities(twist, self._vehicle)[wheel]
 
