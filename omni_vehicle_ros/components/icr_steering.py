@@ -5,10 +5,11 @@ from dataclasses import replace
 
 from omni_vehicle_ros.components.component import ERROR, NANOSECONDS, Output, Reporter
 from omni_vehicle_ros.components.joints import ZEROS, VehicleJoints, module_joints, vehicle_joints
-from omni_vehicle_ros.control.fault_tolerance.condition import BLIND, SOUND, Condition
+from omni_vehicle_ros.control.fault_tolerance.condition import SOUND, Condition
 from omni_vehicle_ros.control.fault_tolerance.joint_check import JointCheck
 from omni_vehicle_ros.control.fault_tolerance.joint_check import Joints as Measurement
 from omni_vehicle_ros.control.fault_tolerance.monitor import Heard, Measured, ModuleMonitor
+from omni_vehicle_ros.control.fault_tolerance.word_check import Word, WordCheck
 from omni_vehicle_ros.control.icr_steering import STILL, Setpoints
 from omni_vehicle_ros.control.icr_steering import IcrSteering as Law
 from omni_vehicle_ros.control.wheel_module import Trim
@@ -21,6 +22,8 @@ TRIMS = tuple(f'{wheel}/trim' for wheel in WHEELS)
 
 SILENCE = 0.1
 """After which a module counts as silent where it has no ``module_timeout`` [s]."""
+
+UNBELIEVED = "joint_states can't be believed: they don't fit each other, or not what the wheel modules say"
 
 START_UP = 2 * NANOSECONDS
 """Simulated time that the first state of a module may take [ns]."""
@@ -65,6 +68,11 @@ class IcrSteering:
         self._twists = {'driver/speed': law.speed, 'teleop/cmd_vel': law.teleop, 'cmd_vel': law.cmd_vel}
         module = replace(module, steer_limit=steering.steer_limit)
         self._joint_check = JointCheck(math.inf if module.ideal_actuators else module.steer_rate_limit)
+        # Ideal actuators are where they are told to be, and with exact side-slip control their trims are in the plant.
+        self._word_check = None if module.ideal_actuators else WordCheck(control_period)
+        self._words: dict[str, Word] = {}
+        self._period = control_period
+        self._blind = False
         self._monitor = ModuleMonitor(vehicle, module, control_period, trim_limit)
         self._reacts = steering.fault_reaction
         self._joints = self._latest = VehicleJoints()
@@ -94,6 +102,9 @@ class IcrSteering:
     def _take_joints(self, topic: str, value: Joints, now: int) -> None:
         if topic in STATES:
             self._said[topic] = max(self._said.get(topic, 0), min(value.stamp or now, now))
+            word = _word(value, self._period)
+            if math.isfinite(word.steer_angle + word.torque):
+                self._words[topic] = word
         elif topic in TRIMS:
             if len(value.position) == len(value.effort) == 2 and math.isfinite(value.position[0] + value.effort[1]):
                 self._trims[topic] = Trim(value.stamp, value.position[0], value.effort[1])
@@ -108,6 +119,8 @@ class IcrSteering:
         state = self._law.status.with_notes(*self._monitor.notes)
         if self._lacking:
             state = state.with_notes((ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
+        if self._blind:
+            state = state.with_notes((ERROR, UNBELIEVED))
         outputs = self._reporter.report(stamp, state)
         outputs.append(Output('commanded_twist', Twist(stamp, *setpoints.twist)))
         for i, wheel in enumerate(WHEELS):
@@ -116,23 +129,37 @@ class IcrSteering:
         return outputs
 
     def _steer(self, stamp: int) -> Setpoints:
-        latest, before = self._latest, self._setpoints
-        measured = Measurement(latest.steer_angle, latest.rotation, latest.wheel_speed)
-        blind = self._joint_check.update(stamp, None if self._lacking else measured)
-        if blind and self._reacts:
-            # It goes by what it has told the wheels, as if they had done it.
-            return self._law.update(stamp, before.steer_angle, before.wheel_speed, BLIND)
-        if self._joint_check.fits or not self._reacts:
-            self._joints = latest
-        joints = self._joints
-        condition = self._watch(stamp)
-        setpoints = self._law.update(
-            stamp, joints.steer_angle, joints.wheel_speed, condition if self._reacts else SOUND
-        )
+        fits = self._check_joints(stamp)
+        if fits or not self._reacts:
+            self._joints = self._latest
+        condition = self._watch(stamp, self._joints if fits else self._as_said())
+        # Blind, it goes by what it has told the wheels, as if they had done it.
+        by = self._setpoints if self._blind and self._reacts else self._joints
+        setpoints = self._law.update(stamp, by.steer_angle, by.wheel_speed, condition if self._reacts else SOUND)
         self._monitor.told(stamp, setpoints.twist, setpoints.steer_angle, setpoints.torque)
         return setpoints
 
-    def _watch(self, stamp: int) -> Condition:
+    def _check_joints(self, stamp: int) -> bool:
+        """Return whether joint_states can be taken for what the wheels do."""
+        latest = self._latest
+        contradicted = self._word_check is not None and self._word_check.update(
+            stamp, latest.steer_angle, latest.torque, [self._words.get(topic) for topic in STATES]
+        )
+        measured = None if self._lacking else Measurement(latest.steer_angle, latest.rotation, latest.wheel_speed)
+        self._blind = self._joint_check.update(stamp, measured, contradicted=contradicted)
+        return self._joint_check.fits and not self._blind
+
+    def _as_said(self) -> VehicleJoints:
+        """Return what the modules say of their wheels; these are taken to turn as they were told."""
+        angle, torque = self._joints.steer_angle, self._joints.torque
+        words = [self._words.get(topic) for topic in STATES]
+        return VehicleJoints(
+            steer_angle=per_wheel(lambda i: word.steer_angle if (word := words[i]) else angle[i]),
+            wheel_speed=self._setpoints.wheel_speed,
+            torque=per_wheel(lambda i: word.torque if (word := words[i]) else torque[i]),
+        )
+
+    def _watch(self, stamp: int, joints: VehicleJoints) -> Condition:
         """Return what is wrong with the modules."""
         if self._begun is None or stamp < self._begun:
             self._begun = stamp
@@ -140,7 +167,7 @@ class IcrSteering:
         elif stamp - self._watched > self._silence:  # nobody could answer to cycles that were not
             self._said = dict.fromkeys(self._said, stamp)
         self._watched = stamp
-        late, joints = stamp - self._begun >= START_UP, self._joints
+        late = stamp - self._begun >= START_UP
 
         def heard(i: int) -> Heard:
             said, trim = self._said.get(STATES[i]), self._trims.pop(TRIMS[i], None)
@@ -149,4 +176,11 @@ class IcrSteering:
             return Heard(True, stamp - said > self._silence, stamp - said, trim)
 
         measured = Measured(joints.steer_angle, joints.wheel_speed, joints.torque)
-        return self._monitor.update(stamp, measured, per_wheel(heard))
+        return self._monitor.update(stamp, measured, per_wheel(heard))._replace(blind=self._blind)
+
+
+def _word(value: Joints, period: float) -> Word:
+    """Return what a module says of itself; no number where it says none."""
+    if not len(value.position) == len(value.velocity) == len(value.effort) == 2:
+        return Word(value.stamp, math.nan, math.nan)
+    return Word(value.stamp, value.position[0] + value.velocity[0] * period, value.effort[1])

@@ -91,4 +91,3 @@ class Condition(NamedTuple):
 
 
 SOUND = Condition((WheelCondition(),) * 4)
-BLIND = SOUND._replace(blind=True)

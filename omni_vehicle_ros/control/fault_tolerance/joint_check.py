@@ -36,7 +36,7 @@ class JointCheck:
     Attributes
     ----------
     fits
-        Whether the last ones fitted those before.
+        Whether the last ones fitted those before, and nobody contradicts.
     """
 
     def __init__(self, rate_limit: float) -> None:
@@ -45,7 +45,7 @@ class JointCheck:
         self._debounce = Debounce(SEEN_AFTER, LIFTED_AFTER)
         self._before: tuple[int, Joints] | None = None
 
-    def update(self, stamp: int, joints: Joints | None) -> bool:
+    def update(self, stamp: int, joints: Joints | None, *, contradicted: bool = False) -> bool:
         """Take one cycle and return whether joint_states can't be believed.
 
         Parameters
@@ -54,12 +54,15 @@ class JointCheck:
             Of the cycle [ns].
         joints
             What they say; None if that is not a number for each joint.
+        contradicted
+            Whether those who should know say otherwise.
         """
         before = self._before
         self._before = (stamp, joints) if joints else before
         dt = (stamp - before[0]) / NANOSECONDS if before else 0.0
         comparable = before is not None and 0.0 < dt <= _LONGEST
         self.fits = joints is not None and not (before and comparable and not self._fits(before[1], joints, dt))
+        self.fits = self.fits and not contradicted
         return self._debounce.update(not self.fits)
 
     def _fits(self, before: Joints, now: Joints, dt: float) -> bool:

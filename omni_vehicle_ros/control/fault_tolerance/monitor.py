@@ -8,6 +8,7 @@ from omni_vehicle_ros.control.fault_tolerance.actuator_twin import ActuatorTwin
 from omni_vehicle_ros.control.fault_tolerance.condition import SOUND, Condition, DriveFault, SteerFault, WheelCondition
 from omni_vehicle_ros.control.fault_tolerance.drive_check import STANDS, TORQUE_TOLERANCE, DriveCheck
 from omni_vehicle_ros.control.fault_tolerance.steering_check import ANGLE_TOLERANCE, SteeringCheck, lateness
+from omni_vehicle_ros.control.fault_tolerance.word_check import SETTLING
 from omni_vehicle_ros.control.freshness import NANOSECONDS
 from omni_vehicle_ros.control.health import ERROR, WARN, Note
 from omni_vehicle_ros.control.motion import motion_of_twist
@@ -20,10 +21,8 @@ from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
 # A wheel slower than this tells no direction [m/s].
 _SLOWEST = 1.0
 
-# A longer gap between two cycles tells nothing about the actuators [cycles]; so long they are not judged then, if
-# their drives pull already [cycles].
+# A longer gap between two cycles tells nothing about the actuators [cycles].
 _LONGEST_GAP = 20
-_SETTLING = 100
 
 # Age of an answer that is in time; cycles in a row without one that say that a module can't be judged.
 _TIMELY = 2
@@ -107,9 +106,14 @@ class ModuleMonitor:
         if stamp == self._now:
             return self._condition
         told, self._now = self._told, stamp
-        if told is None or not all(map(math.isfinite, (*measured.steer_angle, *measured.wheel_speed))):
+        if not all(map(math.isfinite, (*measured.steer_angle, *measured.wheel_speed))):
             return self._condition
-        watched, ground = self._wheels, _Ground(self._vehicle, told.twist, measured)
+        watched = self._wheels
+        if told is None:
+            for wheel, angle in zip(watched, measured.steer_angle, strict=True):
+                wheel.begin_at(angle)
+            return self._condition
+        ground = _Ground(self._vehicle, told.twist, measured)
         wheels = per_wheel(lambda i: watched[i].update(stamp, told, heard[i], measured, ground))
         fl, fr, rl, rr = watched
         trims, offsets = (fl.trim, fr.trim, rl.trim, rr.trim), (fl.offset, fr.offset, rl.offset, rr.offset)
@@ -179,14 +183,19 @@ class _WheelMonitor:
         self._step = round(control_period * NANOSECONDS)
         self._timely, self._unjudged = self._lateness, 0
         self._gain = 1.0 - math.exp(-control_period / _TRIM_TIME)
+        self._delay = math.ceil(module.steer_delay / control_period)
         self._before = 0.0
         self._last_trim = self.trim = 0.0
         self._begin()
 
     def _begin(self) -> None:
         self._twin: ActuatorTwin | None = None
-        self._settling = 0
+        self._settling = self._alike = 0
         self._steering, self._drive = SteeringCheck(self._lateness), DriveCheck(self._lateness)
+
+    def begin_at(self, angle: float) -> None:
+        """Note where the wheel points before anybody has told it anything [rad]."""
+        self._before = angle
 
     def update(self, now: int, told: _Told, heard: Heard, measured: Measured, ground: _Ground) -> WheelCondition:
         wheel = self._wheel
@@ -200,14 +209,16 @@ class _WheelMonitor:
             return WheelCondition(silent=heard.silent)
         if self._twin is None:
             self._twin = ActuatorTwin(self._module, self._period, self._trim_limit, before)
-            self._settling = _SETTLING if abs(torque) > TORQUE_TOLERANCE else 0
+            self._begin_to_settle()
+        if cycles > self._lateness:
+            self._begin_to_settle()
         set_point = told.steer_angle[wheel], told.torque[wheel]
         expected = self._twin.update(told.stamp, *set_point, heard.trim)
         for number in range(1, cycles):
             expected = self._twin.update(told.stamp + number * self._step, *set_point, None)
         if self._settling:
-            self._settling -= 1
-            return WheelCondition()
+            self._settle(angle - expected[0], torque - expected[1])
+            return WheelCondition(self._steering.fault, self._drive.fault)
         # What came late, or followed on what did, is no measure of an actuator.
         self._timely = self._timely + 1 if cycles == 1 and heard.age <= _TIMELY * self._step else 0
         if self._timely < self._lateness:
@@ -217,6 +228,19 @@ class _WheelMonitor:
         steer = self._steering.update(angle, expected[0], partial(ground.direction, wheel))
         drive = self._drive.update(torque, expected[1], ground.speed[wheel], ground.along(wheel))
         return _SOUND if steer is SteerFault.NONE and drive is DriveFault.NONE else WheelCondition(steer, drive)
+
+    def _begin_to_settle(self) -> None:
+        """Not judge the wheel until its twin is where it is.
+
+        A twin does not know what was under way to its wheel when it began. When that is through, delay after, both
+        are told the same, and come nearer and nearer.
+        """
+        self._settling, self._alike = self._delay + SETTLING, -self._delay
+
+    def _settle(self, angle: float, torque: float) -> None:
+        near = abs(angle) <= ANGLE_TOLERANCE and abs(torque) <= TORQUE_TOLERANCE
+        self._alike = self._alike + 1 if near else min(self._alike + 1, 0)
+        self._settling = 0 if self._alike > self._lateness else self._settling - 1
 
     @property
     def offset(self) -> float:
