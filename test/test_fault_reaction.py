@@ -157,3 +157,32 @@ def test_left_and_right_are_mirror_images() -> None:
     left = places(drive(slalom((2.0, 'front_left/steering', 'stuck'))))
     right = places(drive(slalom((2.0, 'front_right/steering', 'stuck'), commands=mirrored)))
     assert np.abs(left * (1.0, -1.0) - right).max() < 1e-6
+
+
+def lane_change(*faults: tuple) -> Scenario:
+    return replace(slalom(*faults), duration=2.6)
+
+
+@pytest.mark.parametrize('reacts', [False, True])
+def test_joint_states_that_are_all_scaled_are_named_and_no_wheel_is(reacts: bool) -> None:
+    scenario = lane_change((2.0, 'joint_states', 'wrong', -3.0))
+    found = [text for _, text in said(drive(scenario if reacts else without_reaction(scenario)))]
+    assert any("joint_states can't be believed" in text for text in found)
+    assert not any(word in text for text in found for word in ('does not follow', 'is locked', 'is slow'))
+
+
+def test_a_drive_that_fails_while_joint_states_repeat_themselves_is_named() -> None:
+    outputs = drive(lane_change((2.0, 'joint_states', 'stuck'), (2.2, 'rear_left/drive', 'garbage', 2000.0)))
+    when = next(when for when, text in said(outputs) if 'rear_left drive' in text)
+    assert 2.2 < when < 2.4
+
+
+@pytest.mark.parametrize('friction', [[0.9, 0.05, 0.05, 0.9], [0.05, 0.05, 0.9, 0.9]])
+def test_wheels_with_grip_are_sound_while_others_spin(friction: list[float]) -> None:
+    scenario = make_scenario('launch', {
+        'duration': 1.5,
+        'vehicle': {'body_model': 'eight_dof'},
+        'plant': {'friction': friction},
+        'commands': [{'at': 0.0, 'icr': 'straight', 'speed': 8.0}],
+    })  # fmt: skip
+    assert alarms(drive(scenario)) == []
