@@ -1,22 +1,17 @@
 """Runs a scenario: in processes, in one process or in plain Python; bag, metrics and report in the end."""
 
-import json
-import os
-import re
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from omni_vehicle_ros.control.commands import check_cmd_vel, check_icr
-from omni_vehicle_ros.control.loop_check import check_gains
-from omni_vehicle_ros.errors import CommandError, OmniVehicleError, ParameterError, RunError
+from omni_vehicle_ros.checks import check_commands, check_loop, check_namespace
+from omni_vehicle_ros.errors import OmniVehicleError, RunError
 from omni_vehicle_ros.interface import DRIVER, NODES, SIDE_SLIP_CONTROLLER
-from omni_vehicle_ros.messages import Point, Twist
+from omni_vehicle_ros.results import analyse, new_directory, recorded_messages, recorded_time, write_scenario
 from omni_vehicle_ros.scenarios import Scenario
-from omni_vehicle_ros.scenarios.yaml_text import parse
 
 if TYPE_CHECKING:
     from omni_vehicle_ros.graph import Graph
@@ -25,8 +20,6 @@ MODES = ('processes', 'one-process', 'offline')
 PACINGS = ('lockstep', 'realtime')
 
 Progress = Callable[[float], None]
-
-_NOTHING: Mapping[str, Any] = {}
 
 
 class Interrupted(BaseException):
@@ -108,90 +101,6 @@ def participants(scenario: Scenario) -> tuple[str, ...]:
     return tuple(node for node in NODES if node != SIDE_SLIP_CONTROLLER or scenario.side_slip_control)
 
 
-def check_commands(scenario: Scenario) -> None:
-    """Check that the vehicle can turn to where the driver of a scenario will say.
-
-    Raises
-    ------
-    RunError
-        A command asks for more than the wheels' range.
-    """
-    for number, command in enumerate(scenario.commands):
-        try:
-            if isinstance(command.icr, tuple):
-                check_icr(Point(0, *command.icr), scenario.vehicle, scenario.steering)
-            if command.twist is not None:
-                topic = 'teleop' if command.cmd_vel is None else 'cmd_vel'
-                check_cmd_vel(Twist(0, *command.twist), scenario.vehicle, scenario.steering, topic)
-        except CommandError as error:
-            raise RunError(f'{scenario.name}: commands[{number}]: {error}') from None
-
-
-def check_loop(scenario: Scenario, mode: str = 'processes') -> None:
-    """Check that the loop of the side-slip controller settles: sampled, or solved exactly.
-
-    Raises
-    ------
-    RunError
-        Gains are at the limit of the sampled loop or beyond it.
-    ScenarioError
-        An offline run has gains without an exact form.
-    """
-    if not scenario.side_slip_control:
-        return
-    if mode == 'offline':
-        from omni_vehicle_ros.simulation import exact_gains
-
-        if exact_gains(scenario) is not None:
-            return
-    try:
-        check_gains(scenario.side_slip, scenario.vehicle, scenario.wheel_module, scenario.plant.control_period)
-    except ParameterError as error:
-        raise RunError(f'side_slip.{error}') from None
-
-
-def check_namespace(namespace: str) -> None:
-    """Check that ROS takes a namespace.
-
-    Raises
-    ------
-    RunError
-        It has something other than letters, digits and underscores between slashes.
-    """
-    if '__' in namespace or not re.fullmatch(r'/?([A-Za-z_]\w*(/[A-Za-z_]\w*)*)?/?', namespace, re.ASCII):
-        raise RunError(
-            f'--namespace: {namespace!r} must be letters, digits and single underscores between slashes, such as car1'
-        )
-
-
-@contextmanager
-def new_directory(directory: Path) -> Iterator[None]:
-    """Make a directory for results, for a ``with`` block; take away again, with those above it, what stayed empty.
-
-    Raises
-    ------
-    RunError
-        It is there already, or can't be made.
-    """
-    made = [path for path in (directory, *directory.parents) if not os.path.exists(path)]
-    try:
-        _make(directory)
-        yield
-    finally:
-        with suppress(OSError):  # the first that holds something is the last to look at
-            for path in made:
-                path.rmdir()
-
-
-def _make(directory: Path) -> None:
-    try:
-        directory.mkdir(parents=True)
-    except FileExistsError:
-        raise RunError(f'{directory}: exists already; name a directory that does not') from None
-    except OSError as error:
-        raise RunError(f'{directory}: {error.strerror}; name a directory that can be made') from None
-
-
 def run_scenario(
     scenario: Scenario,
     directory: Path,
@@ -233,10 +142,7 @@ def run_scenario(
     Interrupted
         A signal ended the nodes.
     """
-    if mode == 'offline' and pacing == 'realtime':
-        raise RunError('mode offline has no wall clock; choose --pacing lockstep, or --mode processes')
-    if restart and mode != 'processes':
-        raise RunError(f'--restart: starts processes again, and mode {mode} has none for its nodes; choose processes')
+    _check_modes(mode, pacing, restart)
     check_commands(scenario)
     check_loop(scenario, mode)
     check_namespace(namespace)
@@ -248,19 +154,16 @@ def run_scenario(
         text = f'Driven by the commands of {commands}.'
         scenario = replace(scenario, description=text, commands=(), environment=(), faults=(), values={})
     with new_directory(directory), _saying_what_lies_there(directory):
-        (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
+        write_scenario(directory, scenario)
         progress(0.0)
         watch = Stopwatch(progress)
-        dead: tuple[str, ...] = ()
-        restarts: Mapping[str, int] = {}
-        real_time: dict[str, Any] = {}
         if mode == 'offline':
             from omni_vehicle_ros.simulation import simulate
 
             journal = simulate(
                 scenario, directory / 'bag', namespace, watch.advance, script, publish_clock=publish_clock
             )
-            messages, lost = journal.written, journal.lost
+            driven = _Driven(journal.written, journal.lost)
         else:
             from omni_vehicle_ros.graph import Graph
 
@@ -276,32 +179,31 @@ def run_scenario(
                 fault_injection=bool(takes_faults),
                 restart=restart,
             )
-            _drive(graph, directory, scenario, watch.advance)
-            messages, lost, dead = graph.messages, graph.lost, tuple(graph.dead.values())
-            real_time, restarts = graph.real_time, graph.restarts
-        metrics = analyse(directory, scenario, real_time, restarts)
-        return RunResult(directory, metrics, messages, lost, dead, restarts, watch.start, watch.rate)
-
-
-def scenario_beside(bag: Path) -> Path:
-    """Return the scenario of the run that a bag belongs to.
-
-    Raises
-    ------
-    RunError
-        There is none.
-    """
-    directory = bag.resolve() if bag.is_dir() else bag.resolve().parent
-    found = directory.parent / 'scenario.yaml'
-    if not found.is_file():
-        raise RunError(
-            f'{found} does not exist, so that nobody knows which vehicle it was; name one: '
-            f'omni_vehicle run SCENARIO --commands {bag}'
+            driven = _drive(graph, directory, scenario, watch.advance)
+        metrics = analyse(directory, scenario, driven.real_time, driven.restarts)
+        return RunResult(
+            directory, metrics, driven.messages, driven.lost, driven.dead, driven.restarts, watch.start, watch.rate
         )
-    return found
 
 
-def _drive(graph: 'Graph', directory: Path, scenario: Scenario, progress: Progress) -> None:
+class _Driven(NamedTuple):
+    """What a drive tells of itself, beside its bag; as in `RunResult`, and what a real-time graph measures."""
+
+    messages: int
+    lost: int
+    dead: tuple[str, ...] = ()
+    restarts: Mapping[str, int] = {}
+    real_time: Mapping[str, Any] = {}
+
+
+def _check_modes(mode: str, pacing: str, restart: bool) -> None:
+    if mode == 'offline' and pacing == 'realtime':
+        raise RunError('mode offline has no wall clock; choose --pacing lockstep, or --mode processes')
+    if restart and mode != 'processes':
+        raise RunError(f'--restart: starts processes again, and mode {mode} has none for its nodes; choose processes')
+
+
+def _drive(graph: 'Graph', directory: Path, scenario: Scenario, progress: Progress) -> _Driven:
     """Run the nodes to the end of a scenario."""
     try:
         graph.run(progress)
@@ -309,6 +211,7 @@ def _drive(graph: 'Graph', directory: Path, scenario: Scenario, progress: Progre
         raise RunError(f'{error}{_salvage(directory, scenario)}') from None
     if graph.interrupted:
         raise Interrupted('interrupted', graph.interrupted)
+    return _Driven(graph.messages, graph.lost, tuple(graph.dead.values()), graph.restarts, graph.real_time)
 
 
 @contextmanager
@@ -317,17 +220,7 @@ def _saying_what_lies_there(directory: Path) -> Iterator[None]:
     try:
         yield
     except Interrupted as error:
-        raise Interrupted(f'{error}{_recorded(directory / "bag")}', error.number) from None
-
-
-def _recorded(bag: Path) -> str:
-    from omni_vehicle_ros.bags.metadata import FILE_NAME, ROOT
-
-    try:
-        count = parse((bag / FILE_NAME).read_bytes())[ROOT]['message_count']
-    except OSError:
-        return ''
-    return f'; {count} messages lie in {bag}' if count else ''
+        raise Interrupted(f'{error}{recorded_messages(directory / "bag")}', error.number) from None
 
 
 def _salvage(directory: Path, scenario: Scenario) -> str:
@@ -369,7 +262,7 @@ def start_vehicle(
         scenario, name='start', description='Driven from outside.', commands=(), environment=(), faults=(), values={}
     )
     with new_directory(directory):
-        (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
+        write_scenario(directory, driven)
         graph = Graph(
             directory,
             driven,
@@ -386,47 +279,6 @@ def start_vehicle(
         if ended is None:
             return None
         driven = replace(driven, duration=ended)
-        (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
+        write_scenario(directory, driven)
         analyse(directory, driven, graph.real_time, graph.restarts)
     return tuple(graph.dead.values())
-
-
-def recorded_time(directory: Path) -> float | None:
-    """Return how long the vehicle was up in a run [s]; None if it never was."""
-    from omni_vehicle_ros.bags import open_bag
-
-    if not (directory / 'bag').exists():
-        return None
-    bag = open_bag(directory / 'bag')
-    return float(bag['odom'].stamp[-1]) if 'odom' in bag and len(bag['odom']) > 1 else None
-
-
-def analyse(
-    directory: Path,
-    scenario: Scenario,
-    real_time: Mapping[str, Any] = _NOTHING,
-    restarts: Mapping[str, int] = _NOTHING,
-) -> dict[str, Any]:
-    """Write metrics.json and report.html for the bag of a run; return the metrics.
-
-    Parameters
-    ----------
-    directory
-        Of the run.
-    scenario
-        What was run.
-    real_time, restarts
-        `Graph.real_time` and `Graph.restarts`, if there is something in them.
-    """
-    from omni_vehicle_ros.analysis import compute_metrics, write_report
-    from omni_vehicle_ros.bags import open_bag
-
-    metrics = compute_metrics(open_bag(directory / 'bag'), scenario.vehicle)
-    if real_time:
-        metrics['real_time'] = dict(real_time)
-    if restarts:
-        metrics['restarts'] = dict(restarts)
-    text = json.dumps(metrics, indent=2, allow_nan=False) + '\n'
-    (directory / 'metrics.json').write_text(text, encoding='utf-8')
-    write_report(directory)
-    return metrics

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from omni_vehicle_ros.bags import read_messages
+from omni_vehicle_ros.checks import check_commands
 from omni_vehicle_ros.errors import RunError
-from omni_vehicle_ros.run import check_commands, new_directory
+from omni_vehicle_ros.results import new_directory
 from omni_vehicle_ros.scenarios import Command, load_scenario, scenario_names
 
 COMMAND = (sys.executable, '-m', 'omni_vehicle_ros.executables', 'cli')

@@ -22,6 +22,7 @@ from omni_vehicle_ros.interface import NODES, PLANT, resolve, topic
 from omni_vehicle_ros.messages import SECOND, Diagnostics, decode
 from omni_vehicle_ros.nodes.ports import subscribe_to
 from omni_vehicle_ros.processes import network_environment
+from omni_vehicle_ros.results import write_scenario
 
 START_LIMIT = 150.0
 """In which all vehicles must drive [s]."""
@@ -133,7 +134,7 @@ class Crowd:
         self.graphs: list[Graph] = []
         for name in namespaces:
             directory, driven = Path(self._stack.enter_context(tempfile.TemporaryDirectory())), scenario(ENDLESS)
-            (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
+            write_scenario(directory, driven)
             self.graphs.append(Graph(
                 directory, driven, nodes, one_process=one_process, pacing='realtime', namespace=name,
                 publish_clock=False,

@@ -22,6 +22,7 @@ from omni_vehicle_ros.interface import DRIVER, NODES, RECORDER, resolve, topic
 from omni_vehicle_ros.messages import SECOND, Diagnostics, decode
 from omni_vehicle_ros.nodes.ports import subscribe_to
 from omni_vehicle_ros.processes import Processes, network_environment
+from omni_vehicle_ros.results import write_scenario
 from omni_vehicle_ros.scenarios.scenario import Scenario, make_scenario
 
 SEVEN = tuple(role for role in NODES if role not in (DRIVER, RECORDER))
@@ -155,7 +156,7 @@ def bare_chain(one_process: bool, namespace: str, directory: Path) -> Iterator[P
 def our_graph(nodes: tuple[str, ...], one_process: bool, namespace: str, directory: Path) -> Iterator[Processes]:
     """Have some of our nodes run in lock step for a ``with`` block."""
     scenario = endless()
-    (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
+    write_scenario(directory, scenario)
     graph = Graph(
         directory, scenario, nodes, one_process=one_process, pacing='lockstep', namespace=namespace, publish_clock=False
     )

@@ -12,6 +12,7 @@ from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.graph import Graph
 from omni_vehicle_ros.interface import NODES
 from omni_vehicle_ros.processes import network_environment
+from omni_vehicle_ros.results import write_scenario
 from omni_vehicle_ros.scenarios.scenario import Scenario, make_scenario
 
 STALL = 60.0
@@ -67,7 +68,7 @@ def drive(duration: float, period: float, progress: Progress = lambda done: None
     os.environ.update(network_environment())
     with tempfile.TemporaryDirectory() as folder:
         directory, driven = Path(folder), scenario(duration)
-        (directory / 'scenario.yaml').write_text(driven.as_yaml(), encoding='utf-8')
+        write_scenario(directory, driven)
         graph = Graph(
             directory, driven, NODES, one_process=True, pacing='lockstep', namespace=f'/load_{os.getpid()}',
             publish_clock=False,

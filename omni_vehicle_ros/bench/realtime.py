@@ -12,6 +12,7 @@ from typing import Any
 from omni_vehicle_ros.bench.frame import Line, Progress, Result, Time, calibrate, timed
 from omni_vehicle_ros.graph import Graph
 from omni_vehicle_ros.interface import NODES
+from omni_vehicle_ros.results import write_scenario
 from omni_vehicle_ros.scenarios.scenario import make_scenario
 
 PERIODS = (0.005, 0.002)
@@ -95,7 +96,7 @@ def drive(period: float, duration: float, advance: Progress, *, one_process: boo
     })
     with tempfile.TemporaryDirectory() as folder:
         directory = Path(folder)
-        (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
+        write_scenario(directory, scenario)
         graph = Graph(
             directory, scenario, NODES, one_process=one_process, pacing='realtime', namespace='/bench',
             publish_clock=False,

@@ -10,7 +10,8 @@ import typer
 
 from omni_vehicle_ros.cli.options import ClockOwner, Namespace, Out, Restart, Settings, choose, results_directory
 from omni_vehicle_ros.errors import RunError
-from omni_vehicle_ros.run import MODES, PACINGS, RunResult, run_scenario, scenario_beside, start_vehicle
+from omni_vehicle_ros.results import scenario_beside
+from omni_vehicle_ros.run import MODES, PACINGS, RunResult, run_scenario, start_vehicle
 from omni_vehicle_ros.scenarios import Scenario, load_scenario, scenario_directory, scenario_names
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from omni_vehicle_ros.cli.options import Settings, choose, results_directory
-from omni_vehicle_ros.run import new_directory
+from omni_vehicle_ros.results import new_directory
 
 
 def thesis(

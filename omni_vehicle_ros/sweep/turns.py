@@ -9,13 +9,13 @@ import numpy.typing as npt
 
 from omni_vehicle_ros.analysis.metrics import REST, SPEED_FLOOR, YAW_RATE_FLOOR
 from omni_vehicle_ros.analysis.signals import BAND
+from omni_vehicle_ros.checks import check_commands
 from omni_vehicle_ros.errors import ScenarioError
 from omni_vehicle_ros.model.constants import DUGOFF
 from omni_vehicle_ros.model.packing import STATE
 from omni_vehicle_ros.model.state import Vector
 from omni_vehicle_ros.model.tyres.friction_circle import lateral_capacity
 from omni_vehicle_ros.model.tyres.region import DEPARTURE, Region, region
-from omni_vehicle_ros.run import check_commands
 from omni_vehicle_ros.sweep.axes import Axis
 from omni_vehicle_ros.sweep.drive import Driven, drive, kind, signal
 from omni_vehicle_ros.sweep.open_loop import OpenLoop, open_loop, why_closed

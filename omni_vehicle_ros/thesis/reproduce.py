@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from omni_vehicle_ros.run import new_directory
+from omni_vehicle_ros.results import new_directory
 from omni_vehicle_ros.thesis import limits
 from omni_vehicle_ros.thesis.claims import CLAIMS
 from omni_vehicle_ros.thesis.figure import ThesisFigure

@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from omni_vehicle_ros.campaign.draw import DURATIONS, WATCHED, draw
+from omni_vehicle_ros.checks import check_commands, check_loop
 from omni_vehicle_ros.faults import KINDS, PROCESSES, kind_of
-from omni_vehicle_ros.run import check_commands, check_loop
 from omni_vehicle_ros.scenarios import scenario_names
 
 SHIPPED = [name for name in scenario_names() if name.startswith('faults/')]

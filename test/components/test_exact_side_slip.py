@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
+from omni_vehicle_ros.checks import check_loop
 from omni_vehicle_ros.components.plant import Plant
 from omni_vehicle_ros.errors import RunError, ScenarioError
 from omni_vehicle_ros.messages import Joints
 from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters
-from omni_vehicle_ros.run import check_loop
 from omni_vehicle_ros.scenarios import load_scenario
 from omni_vehicle_ros.simulation import record
 from omni_vehicle_ros.wheels import WHEELS

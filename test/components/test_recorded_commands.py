@@ -9,7 +9,8 @@ from omni_vehicle_ros.components.recorded_commands import COMMANDS, RecordedComm
 from omni_vehicle_ros.errors import BagError
 from omni_vehicle_ros.interface import COMMAND, topic
 from omni_vehicle_ros.messages import Point, Twist, encode
-from omni_vehicle_ros.run import run_scenario, scenario_beside
+from omni_vehicle_ros.results import scenario_beside
+from omni_vehicle_ros.run import run_scenario
 from omni_vehicle_ros.scenarios import load_scenario
 
 DRIVE = """

@@ -15,6 +15,7 @@ from omni_vehicle_ros.interface import DRIVER, NODES, PLANT, RECORDER
 from omni_vehicle_ros.messages import Diagnostics, Status, decode
 from omni_vehicle_ros.parameters import PacingParameters
 from omni_vehicle_ros.processes import Processes
+from omni_vehicle_ros.results import write_scenario
 from omni_vehicle_ros.scenarios import Scenario
 
 HOSTS = tuple(role for role in NODES if role not in (DRIVER, RECORDER))
@@ -47,7 +48,7 @@ class SpreadVehicle:
         self._stopped = False
         self._punctual: dict[str, Any] = {}
         (directory / 'log').mkdir()
-        (directory / 'scenario.yaml').write_text(scenario.as_yaml(), encoding='utf-8')
+        write_scenario(directory, scenario)
         settings = PacingParameters(pacing='realtime', participants=NODES)
         self._parameters.write_text(node_parameters(scenario, directory.resolve(), settings), encoding='utf-8')
 
