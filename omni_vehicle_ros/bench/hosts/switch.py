@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 FRAME = 2048
 """More than any Ethernet frame has [byte]."""
+MULTICAST = bytes.fromhex('01005e')
+"""How the address of a frame to an IPv4 group begins (RFC 1112, section 6.4)."""
 BURST = 64
 """Frames taken from one port before it is the turn of the next."""
 IDLE = 0.05
@@ -31,11 +33,14 @@ class Disturbance(NamedTuple):
     jitter
         The time under way is uniform within this share of the delay to either side [1]. A frame that another one would
         overtake on the way from port to port waits: a cable keeps the order.
+    multicast
+        Whether IP multicast goes through, which many networks do not let.
     """
 
     loss: float = 0.0
     delay: float = 0.0
     jitter: float = 0.0
+    multicast: bool = True
 
 
 class Switch(threading.Thread):
@@ -102,8 +107,9 @@ class Switch(threading.Thread):
                         self._send(source, port, frame)
 
     def _send(self, source: int, port: int, frame: bytes) -> None:
-        loss, delay, jitter = self.disturbance
-        if {source, port} & self.cut or self._random.random() < loss:
+        loss, delay, jitter, multicast = self.disturbance
+        barred = not multicast and frame.startswith(MULTICAST)
+        if barred or {source, port} & self.cut or self._random.random() < loss:
             self.lost += 1
             return
         way = source, port

@@ -3,7 +3,7 @@
 import contextlib
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,9 @@ from omni_vehicle_ros.results import write_scenario
 from omni_vehicle_ros.scenarios import Scenario
 
 HOSTS = tuple(role for role in NODES if role not in (DRIVER, RECORDER))
-ENVIRONMENT = ('env', 'ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET', 'FASTDDS_BUILTIN_TRANSPORTS=UDPv4')
+MULTICAST = ('ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET',)
+"""What has nodes find each other in a network that lets multicast through."""
+ENVIRONMENT = 'env', 'FASTDDS_BUILTIN_TRANSPORTS=UDPv4'
 """Of all nodes. Namespaces share /dev/shm, which hosts do not: without shared memory there is only the network."""
 LIMIT = 120.0
 LOOK_PERIOD = 0.3
@@ -27,6 +29,17 @@ LOOK_PERIOD = 0.3
 
 class SpreadVehicle:
     """The nodes of a vehicle in real time, each on the host of its name; see `spread_vehicle`.
+
+    Parameters
+    ----------
+    hosts
+        One for each of `HOSTS`.
+    directory
+        Gets bag, logs and parameters.
+    scenario
+        What is driven.
+    discovery
+        How the nodes find each other: variables of their environment, each ``NAME=value``.
 
     Attributes
     ----------
@@ -38,8 +51,11 @@ class SpreadVehicle:
         Simulated time at which the driver began [s].
     """
 
-    def __init__(self, hosts: Hosts, directory: Path, scenario: Scenario) -> None:
+    def __init__(
+        self, hosts: Hosts, directory: Path, scenario: Scenario, discovery: Sequence[str] = MULTICAST
+    ) -> None:
         self.hosts, self.bag = hosts, directory / 'bag'
+        self._environment = *ENVIRONMENT, *discovery
         self.began = 0.0
         self._now = 0.0
         self._parameters = directory / 'parameters.yaml'
@@ -73,7 +89,7 @@ class SpreadVehicle:
         host = role if role in HOSTS else PLANT
         self._processes.spawn(
             role, f'nodes.{executable}', ['--ros-args', '--params-file', str(self._parameters), *remap],
-            prefix=[*self.hosts.prefix(host), *ENVIRONMENT],
+            prefix=[*self.hosts.prefix(host), *self._environment],
         )
 
     def _drives(self) -> bool:
@@ -129,13 +145,18 @@ class SpreadVehicle:
 @contextlib.contextmanager
 def spread_vehicle(directory: Path, scenario: Scenario) -> Iterator[SpreadVehicle]:
     """Have a vehicle drive on seven hosts for a ``with`` block; bag and logs are in ``directory``."""
-    with joined_hosts(HOSTS) as hosts:
-        vehicle = SpreadVehicle(hosts, directory, scenario)
-        try:
-            vehicle.start()
-            yield vehicle
-        finally:
-            vehicle.stop()
+    with joined_hosts(HOSTS) as hosts, driving(SpreadVehicle(hosts, directory, scenario)) as vehicle:
+        yield vehicle
+
+
+@contextlib.contextmanager
+def driving(vehicle: SpreadVehicle) -> Iterator[SpreadVehicle]:
+    """Start a vehicle, and stop it whatever happens."""
+    try:
+        vehicle.start()
+        yield vehicle
+    finally:
+        vehicle.stop()
 
 
 def statuses(bag: Path) -> Iterator[tuple[float, Status]]:

@@ -96,3 +96,15 @@ def test_nothing_passes_a_cut_cable_until_it_is_plugged_in_again() -> None:
         assert b.hear() == c.hear() == b'back'
         b.send(a.address, b'answer')
         assert a.hear() == b'answer'
+
+
+def test_a_network_without_multicast_lets_all_else_through() -> None:
+    """A group of IPv4 has 01:00:5e before the last 23 bits of its address: RFC 1112, section 6.4."""
+    group = bytes.fromhex('01005e7f0001')
+    with joined(Disturbance(multicast=False)) as (switch, (a, b, c)):
+        a.send(group, b'lost')
+        until(lambda: switch.lost == 2)
+        a.send(BROADCAST, b'who is there')
+        assert b.hear() == c.hear() == b'who is there'
+        b.send(a.address, b'answer')
+        assert a.hear() == b'answer'
