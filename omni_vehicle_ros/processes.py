@@ -13,7 +13,7 @@ from typing import IO
 
 from omni_vehicle_ros.cores import CORE
 from omni_vehicle_ros.ending import PARENT, hold_signals, release_signals
-from omni_vehicle_ros.scenarios import scenario_directory
+from omni_vehicle_ros.network import network_environment
 from omni_vehicle_ros.shared_memory import remove, segments_of
 
 BOOT = (
@@ -21,8 +21,6 @@ BOOT = (
     'from omni_vehicle_ros.executables import main; main(sys.argv.pop(1))'
 )
 """What Python runs: never a module that happens to lie in the current directory."""
-
-PROFILE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 
 STOP_LIMIT = 8.0
 
@@ -188,13 +186,3 @@ def node_environment(core: int | None = None) -> dict[str, str]:
     """Return the environment of a node that ends with this process, and that may have a core to stay on."""
     place = {} if core is None else {CORE: str(core)}
     return {**network_environment(), PARENT: str(os.getpid()), **place}
-
-
-def network_environment() -> dict[str, str]:
-    """Return the environment of a node: this machine only, by our profile, unless the user has said otherwise."""
-    environment = dict(os.environ)
-    environment.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    if PROFILE not in environment:
-        environment[PROFILE] = str(scenario_directory().parent / 'fastdds.xml')
-        environment.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
-    return environment

@@ -20,8 +20,8 @@ from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.graph import Graph
 from omni_vehicle_ros.interface import NODES, PLANT, resolve, topic
 from omni_vehicle_ros.messages import SECOND, Diagnostics, decode
+from omni_vehicle_ros.network import network_environment
 from omni_vehicle_ros.nodes.ports import subscribe_to
-from omni_vehicle_ros.processes import network_environment
 from omni_vehicle_ros.results import write_scenario
 
 START_LIMIT = 150.0

@@ -11,7 +11,7 @@ from omni_vehicle_ros.bench.frame import Progress
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.graph import Graph
 from omni_vehicle_ros.interface import NODES
-from omni_vehicle_ros.processes import network_environment
+from omni_vehicle_ros.network import network_environment
 from omni_vehicle_ros.results import write_scenario
 from omni_vehicle_ros.scenarios.scenario import Scenario, make_scenario
 

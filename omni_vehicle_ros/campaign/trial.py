@@ -14,7 +14,8 @@ from threading import Event
 from typing import NamedTuple
 
 from omni_vehicle_ros.campaign.draw import Drive
-from omni_vehicle_ros.processes import BOOT, network_environment
+from omni_vehicle_ros.network import network_environment
+from omni_vehicle_ros.processes import BOOT
 from omni_vehicle_ros.shared_memory import existing, remove, segments_of
 
 TOKEN = 'OMNI_VEHICLE_TRIAL'

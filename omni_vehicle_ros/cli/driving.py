@@ -140,7 +140,7 @@ def replay(
         return
     if commands_only and clock:
         raise RunError('--clock: the vehicle that takes the commands has its own clock; leave one of both options out')
-    from omni_vehicle_ros.processes import network_environment
+    from omni_vehicle_ros.network import network_environment
 
     os.environ.update(network_environment())
     from omni_vehicle_ros.nodes.replay import Replay, play

@@ -17,6 +17,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from omni_vehicle_ros.ending import ENDING, PARENT
+from omni_vehicle_ros.network import profile_environment
 from omni_vehicle_ros.nodes.allocator import give_back
 from omni_vehicle_ros.nodes.exchange import Exchange
 from omni_vehicle_ros.nodes.refusals import REFUSALS, one_line
@@ -73,6 +74,7 @@ def run(make: Make, make_executor: Callable[..., Executor] = EventsExecutor) -> 
     give_back()
     context = Context()
     try:
+        os.environ.update(profile_environment())
         rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
         _live(make, make_executor, context, stop)
     except REFUSALS as error:

@@ -1,43 +1,24 @@
 """Where scenarios are: those of the package by name, others by path."""
 
-import contextlib
-import sys
 from collections.abc import Collection
 from difflib import get_close_matches
 from pathlib import Path
 
 from omni_vehicle_ros.errors import ScenarioError
+from omni_vehicle_ros.share import config_directory
 
-PACKAGE = 'omni_vehicle_ros'
 _SUFFIXES = ('.yaml', '.yml')
-
-
-def _candidates() -> list[Path]:
-    shares = [Path(__file__).resolve().parents[2]]
-    with contextlib.suppress(ImportError, LookupError, OSError):
-        from ament_index_python.packages import get_package_share_directory
-
-        shares.append(Path(get_package_share_directory(PACKAGE)))
-    shares.append(Path(sys.prefix) / 'share' / PACKAGE)
-    return [share / 'config' / 'scenarios' for share in shares]
 
 
 def scenario_directory() -> Path:
     """Return the folder of the scenarios that belong to the package.
 
-    It is ``config/scenarios`` beside the package in a source tree, else in the package's share folder as
-    ament knows it, else below ``sys.prefix``.
-
     Raises
     ------
-    ScenarioError
-        None of them exists.
+    RunError
+        There is none.
     """
-    candidates = _candidates()
-    for folder in candidates:
-        if folder.is_dir():
-            return folder
-    raise ScenarioError(f'no folder of scenarios; looked for {", ".join(map(str, candidates))}')
+    return config_directory() / 'scenarios'
 
 
 def scenario_names() -> tuple[str, ...]:

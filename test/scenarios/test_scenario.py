@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from omni_vehicle_ros import share
 from omni_vehicle_ros.control.motion import MINIMUM_ICR_DISTANCE
-from omni_vehicle_ros.errors import ScenarioError
-from omni_vehicle_ros.scenarios import Scenario, library, load_scenario, scenario_directory, scenario_names
+from omni_vehicle_ros.errors import RunError, ScenarioError
+from omni_vehicle_ros.scenarios import Scenario, load_scenario, scenario_directory, scenario_names
 from omni_vehicle_ros.scenarios.loading import build_scenario
 from omni_vehicle_ros.scenarios.yaml_text import parse
 
@@ -175,15 +176,15 @@ def test_unknown_scenarios_and_files(tmp_path: Path) -> None:
 def test_without_the_source_tree_the_share_folder_below_the_prefix_is_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    share = tmp_path / 'prefix' / 'share' / 'omni_vehicle_ros' / 'config' / 'scenarios'
-    installed = tmp_path / 'prefix' / 'lib' / 'site-packages' / 'omni_vehicle_ros' / 'scenarios' / 'library.py'
-    monkeypatch.setattr(library, '__file__', str(installed))
+    folder = tmp_path / 'prefix' / 'share' / 'omni_vehicle_ros' / 'config' / 'scenarios'
+    installed = tmp_path / 'prefix' / 'lib' / 'site-packages' / 'omni_vehicle_ros' / 'share.py'
+    monkeypatch.setattr(share, '__file__', str(installed))
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path / 'none'))
     monkeypatch.setattr('sys.prefix', str(tmp_path / 'prefix'))
-    with pytest.raises(ScenarioError, match=r'no folder of scenarios'):
+    with pytest.raises(RunError, match=r'installed without its folder config'):
         scenario_directory()
-    share.mkdir(parents=True)
-    assert scenario_directory() == share
+    folder.mkdir(parents=True)
+    assert scenario_directory() == folder
 
 
 NUMBERS = st.floats(-1e6, 1e6)
