@@ -13,7 +13,7 @@ from omni_vehicle_ros.control.trim import NO_WHEEL, Cycles, Sensed, Trims
 from omni_vehicle_ros.messages import Imu, Joints, Odometry, Twist, Value
 from omni_vehicle_ros.model import kinematics
 from omni_vehicle_ros.parameters import SideSlipParameters, VehicleParameters
-from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
+from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel, scaled
 
 _NO_NUMBER = float('nan')
 
@@ -46,9 +46,8 @@ class SideSlipController:
         self._reacts = parameters.fault_reaction
         self._monitor = SensorMonitor(vehicle)
         self._joint_check = JointCheck(math.inf)
-        self._seen = Seen(Sensed(), 0.0, (0.0, 0.0), NO_WHEEL)
-        self._fresh: dict[str, Any] = {}
-        self._beside: dict[str, Any] = {}
+        self._sensed: dict[str, Any] = Sensed()._asdict()
+        self._beside: dict[str, Any] = {'yaw_rate': 0.0, 'place': (0.0, 0.0), 'rolling': NO_WHEEL}
         self._quiet = dict.fromkeys(SENSORS, 0.0)
         self._measured = Measurement(NO_WHEEL, NO_WHEEL, NO_WHEEL)
         self._cycles = Cycles()
@@ -63,33 +62,36 @@ class SideSlipController:
 
     def receive(self, topic: str, value: Value, now: int) -> None:
         """Take what was measured or commanded; side slips that are missing count as no number."""
-        fresh, beside = self._fresh, self._beside
-        if isinstance(value, Odometry | Imu) and not value.frame:
-            return  # a sensor that sees nothing
-        if isinstance(value, Odometry):
-            fresh['twist'] = kinematics.Twist(value.vx, value.vy, value.yaw_rate)
-            beside['place'] = value.x, value.y
-        elif isinstance(value, Imu):
-            beside['yaw_rate'] = value.yaw_rate
-            fresh['lateral_acceleration'] = value.ay
+        sensed, beside = self._sensed, self._beside
+        if isinstance(value, Joints):
+            self._take_joints(topic, value)
         elif isinstance(value, Twist):
-            fresh['commanded'] = kinematics.Twist(value.vx, value.vy, value.yaw_rate)
-        elif isinstance(value, Joints) and topic == 'joint_states':
-            joints = vehicle_joints(value)
-            self._blind = joints is None
-            if joints is not None:
-                radius = self._vehicle.wheel_radius
-                fresh['steer_angle'], fresh['drive_torque'] = joints.steer_angle, joints.torque
-                beside['rolling'] = per_wheel(lambda i: radius * joints.wheel_speed[i])
-                self._measured = Measurement(joints.steer_angle, joints.rotation, joints.wheel_speed)
-        elif isinstance(value, Joints):
-            fresh['side_slip'] = _by_wheel(value.names, value.position)
-            fresh['wheel_speed'] = _by_wheel(value.names, value.velocity)
+            sensed['commanded'] = kinematics.Twist(value.vx, value.vy, value.yaw_rate)
+        elif isinstance(value, Odometry) and value.frame:
+            sensed['twist'] = kinematics.Twist(value.vx, value.vy, value.yaw_rate)
+            beside['place'] = value.x, value.y
+        elif isinstance(value, Imu) and value.frame:
+            sensed['lateral_acceleration'] = value.ay
+            beside['yaw_rate'] = value.yaw_rate
+        else:
+            return  # no frame: a sensor that sees nothing
         self._quiet[topic] = 0.0
+
+    def _take_joints(self, topic: str, value: Joints) -> None:
+        sensed = self._sensed
+        if topic != 'joint_states':
+            sensed['side_slip'] = _by_wheel(value.names, value.position)
+            sensed['wheel_speed'] = _by_wheel(value.names, value.velocity)
+            return
+        joints = vehicle_joints(value)
+        self._blind = joints is None
+        if joints is not None:
+            sensed['steer_angle'], sensed['drive_torque'] = joints.steer_angle, joints.torque
+            self._beside['rolling'] = scaled(self._vehicle.wheel_radius, joints.wheel_speed)
+            self._measured = Measurement(joints.steer_angle, joints.rotation, joints.wheel_speed)
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the trims that belong to ``stamp`` [ns]."""
-        self._seen = self._seen._replace(sensed=self._seen.sensed._replace(**self._fresh), **self._beside)
         trims = self._control(stamp)
         state = self._law.status.with_notes(*self._monitor.notes)
         if self._blind:
@@ -107,11 +109,12 @@ class SideSlipController:
         silent = [topic for topic, quiet in self._quiet.items() if quiet > SILENCE]
         self._quiet = {topic: quiet + dt for topic, quiet in self._quiet.items()}
         blind = self._joint_check.update(stamp, None if self._blind else self._measured)
-        sensed = self._monitor.update(self._seen, silent, blind=blind)
+        seen = Seen(Sensed(**self._sensed), **self._beside)
+        sensed = self._monitor.update(seen, silent, blind=blind)
         if self._reacts:
             self._trims = self._monitor.fade(self._law.update(stamp, sensed), dt)
         else:
-            self._trims = self._law.update(stamp, self._seen.sensed)
+            self._trims = self._law.update(stamp, seen.sensed)
         return self._trims
 
 

@@ -52,7 +52,7 @@ _MOVES = 0.3
 _FREE = 50.0
 
 
-class Sensor(Enum):
+class Sensor(str, Enum):
     """A sensor, by its topic."""
 
     ODOM = 'odom'
@@ -91,9 +91,15 @@ class SensorMonitor:
     ----------
     vehicle
         Places of the wheels.
+
+    Attributes
+    ----------
+    faulty
+        The sensors that can't be believed.
     """
 
     def __init__(self, vehicle: VehicleParameters) -> None:
+        self.faulty: tuple[Sensor, ...] = ()
         self._vehicle = vehicle
         self._debounce = {sensor: Debounce(SEEN_AFTER, LIFTED_AFTER) for sensor in Sensor}
         self._why = dict.fromkeys(Sensor, '')
@@ -119,16 +125,10 @@ class SensorMonitor:
         wrong.update(self._alone(seen.sensed.side_slip))
         if silent:
             wrong.update((sensor, 'says nothing') for sensor in Sensor if sensor.value in silent)
-        for sensor, debounce in self._debounce.items():
-            debounce.update(sensor in wrong)
-            self._why[sensor] = wrong.get(sensor, self._why[sensor])
+        self._why.update(wrong)
+        self.faulty = tuple([sensor for sensor, debounce in self._debounce.items() if debounce.update(sensor in wrong)])
         self._before = seen
         return self._stand_in(seen)
-
-    @property
-    def faulty(self) -> tuple[Sensor, ...]:
-        """The sensors that can't be believed."""
-        return tuple(sensor for sensor, debounce in self._debounce.items() if debounce.on)
 
     @property
     def notes(self) -> list[Note]:
@@ -195,8 +195,8 @@ class SensorMonitor:
         return {}
 
     def _stands_still(self, seen: Seen) -> bool:
-        moves = sorted(map(abs, seen.rolling))[2] > _MOVES
-        return moves and self._before is not None and seen.place == self._before.place
+        there = self._before is not None and seen.place == self._before.place
+        return there and sorted(map(abs, seen.rolling))[2] > _MOVES
 
     def _another_speed(self, seen: Seen) -> bool:
         """Return whether most wheels roll at another speed than odometry says of their places.
