@@ -1,6 +1,6 @@
 """The four wheels: their names and their order, the same everywhere."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal, TypeVar
 
 PerWheel = tuple[float, float, float, float]
@@ -14,6 +14,12 @@ T = TypeVar('T')
 def per_wheel(function: Callable[[int], T]) -> tuple[T, T, T, T]:
     """Return ``function(i)`` for the wheels i = 0..3 (front left, front right, rear left, rear right)."""
     return function(0), function(1), function(2), function(3)
+
+
+def as_four(values: Sequence[T]) -> tuple[T, T, T, T]:
+    """Return four values, one a wheel, as a tuple."""
+    fl, fr, rl, rr = values
+    return fl, fr, rl, rr
 
 
 def scaled(factor: float, numbers: PerWheel) -> PerWheel:

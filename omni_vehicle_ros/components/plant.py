@@ -14,7 +14,7 @@ from omni_vehicle_ros.model.body_model import body_model
 from omni_vehicle_ros.model.castor import castored
 from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
 from omni_vehicle_ros.parameters import PlantParameters, VehicleParameters, WheelModuleParameters
-from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
+from omni_vehicle_ros.wheels import WHEELS, PerWheel, as_four, per_wheel, scaled
 
 START_UP = 2_000_000_000
 """Simulated time until every module must have answered once [ns]."""
@@ -26,9 +26,9 @@ SAME_ANGLE = 1e-9
 class _Actuators(NamedTuple):
     """What one module said that it does: steer angle [rad], rate [rad/s], drive torque [N m]."""
 
-    angle: float = 0.0
-    rate: float = 0.0
-    torque: float = 0.0
+    angle: float
+    rate: float
+    torque: float
 
 
 ACTUATOR_LIMITS = _Actuators(6.3, 1000.0, 1e6)
@@ -89,7 +89,8 @@ class Plant:
         self._body = body_model(vehicle)
         self._state = self._body.initial_state(plant.initial_speed)
         self._environment = Environment(plant.bank, plant.wind, plant.friction)
-        self._actuators = [_Actuators() for _ in WHEELS]
+        # What the modules said that they do.
+        self._steer_angle, self._steer_rate, self._torque = [0.0] * 4, [0.0] * 4, [0.0] * 4
         self._passive: tuple[str, ...] = ()
         self._heard: set[str] = set()
         self._rotation = self._rate = ZEROS
@@ -133,16 +134,16 @@ class Plant:
                 f'{WHEELS[wheel]}/state has no angle, rate and torque of steer and drive; the last one is kept'
             )
             return
-        actuators = _Actuators(value.position[0], value.velocity[0], value.effort[1])
-        angle, rate, torque = map(abs, actuators)
+        angle, rate, torque = value.position[0], value.velocity[0], value.effort[1]
         most = ACTUATOR_LIMITS
-        if angle <= most.angle and rate <= most.rate and torque <= most.torque:
-            if wheel in self._trails:
-                actuators = self._actuators[wheel]._replace(torque=actuators.torque)
-            self._actuators[wheel] = actuators
+        if abs(angle) <= most.angle and abs(rate) <= most.rate and abs(torque) <= most.torque:
+            if wheel not in self._trails:
+                self._steer_angle[wheel], self._steer_rate[wheel] = angle, rate
+            self._torque[wheel] = torque
             self._heard.add(self.sources[wheel])
         else:
-            self._rejected = f'{WHEELS[wheel]}/state{_insanity(actuators)}; the last one is kept'
+            insanity = _insanity(_Actuators(angle, rate, torque))
+            self._rejected = f'{WHEELS[wheel]}/state{insanity}; the last one is kept'
 
     def _take_environment(self, topic: str, value: Joints | Vector) -> None:
         try:
@@ -155,8 +156,8 @@ class Plant:
     @property
     def trims(self) -> PerWheel:
         """How far the wheels are steered beyond the angles of the modules [rad]; 0 without slip gains."""
-        angle, actuators = self._now.steer_angle, self._actuators
-        return per_wheel(lambda i: angle[i] - actuators[i].angle)
+        angle, told = self._now.steer_angle, self._steer_angle
+        return per_wheel(lambda i: angle[i] - told[i])
 
     def begin(self, stamp: int = 0) -> list[Output]:
         """Return what the sensors see before time goes on from ``stamp`` [ns]."""
@@ -174,8 +175,7 @@ class Plant:
         self._passive = missing
         for wheel, topic in enumerate(self.sources):
             if topic in missing:
-                held = self._actuators[wheel]
-                self._actuators[wheel] = _Actuators(held.angle)
+                self._steer_rate[wheel] = self._torque[wheel] = 0.0
             else:
                 self._catch_up(wheel)
         self._move()
@@ -187,21 +187,20 @@ class Plant:
 
         It is so after lost messages or a jump of the clock. Ideal actuators are at once where they are told to be.
         """
-        (angle, rate, torque), here = self._actuators[wheel], self._now.steer_angle[wheel]
+        angle, here = self._steer_angle[wheel], self._now.steer_angle[wheel]
         if abs(angle - here) <= SAME_ANGLE or self._steering.ideal_actuators or self._slip_gain[wheel] > 0.0:
             return
         period, most = self._plant.control_period, self._steering.steer_rate_limit
-        rate = min(max((angle + rate * period - here) / period, -most), most)
-        self._actuators[wheel] = _Actuators(here, rate, torque)
+        rate = (angle + self._steer_rate[wheel] * period - here) / period
+        self._steer_angle[wheel], self._steer_rate[wheel] = here, min(max(rate, -most), most)
 
     def _move(self) -> None:
         """Let one control cycle pass."""
         period, radius = self._plant.control_period, self._vehicle.wheel_radius
         for wheel, trail in self._trails.items():
             self._swing(wheel, trail)
-        actuators, gain = self._actuators, self._slip_gain
-        rate = per_wheel(lambda i: actuators[i].rate)
-        self._force = per_wheel(lambda i: actuators[i].torque / radius)
+        gain, rate = self._slip_gain, as_four(self._steer_rate)
+        self._force = as_four([torque / radius for torque in self._torque])
         if self._locked:
             self._lock()
         self._state = self._body.advance(
@@ -213,24 +212,25 @@ class Plant:
             self._plant.integration_step,
             self._plant.constant_speed,
         )
-        self._actuators = [_Actuators(a.angle + a.rate * period, a.rate, a.torque) for a in actuators]
+        self._steer_angle = [angle + rate * period for angle, rate in zip(self._steer_angle, rate, strict=True)]
         if self._locked:
             self._state = self._body.locked(self._state, self._locked)
         angle, rotation, before = self._now.steer_angle, self._rotation, self._wheel_speed
         now = self._now = self._evaluate()
         speed = self._wheel_speed = self._speeds()
-        self._rate = per_wheel(lambda i: (now.steer_angle[i] - angle[i]) / period if gain[i] > 0.0 else rate[i])
+        self._rate = rate if gain == ZEROS else per_wheel(
+            lambda i: (now.steer_angle[i] - angle[i]) / period if gain[i] > 0.0 else rate[i]
+        )
         self._rotation = per_wheel(lambda i: rotation[i] + 0.5 * (before[i] + speed[i]) * period)
 
     def _swing(self, wheel: int, trail: float) -> None:
         """Turn a wheel whose motor is off towards its own motion, no faster and no farther than the others turn."""
-        angle, rate, torque = self._actuators[wheel]
+        angle = self._steer_angle[wheel]
         vx, vy, r = self._state[:3].tolist()
         velocity = vx - self._vehicle.wheel_y[wheel] * r, vy + self._vehicle.wheel_x[wheel] * r
         period, most, limit = self._plant.control_period, self._steering.steer_rate_limit, self._steering.steer_limit
         aim = min(max(castored(angle, velocity, trail, period), -limit), limit)
-        rate = min(max((aim - angle) / period, -most), most)
-        self._actuators[wheel] = _Actuators(angle, rate, torque)
+        self._steer_rate[wheel] = min(max((aim - angle) / period, -most), most)
 
     def _lock(self) -> None:
         """Brake locked wheels so that they do not turn."""
@@ -241,8 +241,7 @@ class Plant:
         )
 
     def _inputs(self) -> Inputs:
-        actuators = self._actuators
-        return Inputs(per_wheel(lambda i: actuators[i].angle), self._force, self._slip_gain)
+        return Inputs(as_four(self._steer_angle), self._force, self._slip_gain)
 
     def _evaluate(self) -> Evaluation:
         return self._body.evaluate(self._state, self._inputs(), self._environment, self._plant.constant_speed)
@@ -252,22 +251,17 @@ class Plant:
         return per_wheel(lambda i: 0.0 if i in self._locked else speed[i]) if self._locked else speed
 
     def _sense(self, stamp: int) -> list[Output]:
-        actuators, speed, now = self._actuators, self._wheel_speed, self._now
+        speed, now = self._wheel_speed, self._now
         vx, vy, r, x, y, psi = self._state[:6].tolist()
-        joints = VehicleJoints(
-            now.steer_angle, self._rate, self._rotation, speed, per_wheel(lambda i: actuators[i].torque)
-        )
-        radius = self._vehicle.wheel_radius
+        joints = VehicleJoints(now.steer_angle, self._rate, self._rotation, speed, as_four(self._torque))
+        rolling = scaled(self._vehicle.wheel_radius, speed)
         forces = tuple(zip(now.longitudinal_force, now.lateral_force, now.vertical_load, strict=True))
         outputs = [
             Output('joint_states', joints.message(stamp, interface.BASE_FRAME)),  # what the others wait for
             Output('odom', Odometry(stamp, x, y, psi, vx, vy, r)),
             Output('imu', Imu(stamp, now.roll_angle, psi, r, now.ax, now.ay, self._vehicle.gravity)),
             Output('tyres/force', Forces(stamp, WHEELS, forces)),
-            Output(
-                'tyres/side_slip',
-                Joints(stamp, WHEELS, now.side_slip, per_wheel(lambda i: speed[i] * radius), now.friction_use),
-            ),
+            Output('tyres/side_slip', Joints(stamp, WHEELS, now.side_slip, rolling, now.friction_use)),
         ]
         if self._publish_clock:
             outputs.append(Output('/clock', Clock(stamp)))
@@ -283,9 +277,9 @@ class Plant:
         if self._rejected:
             notes.append((ERROR, self._rejected))
             self._rejected = ''
-        lifted = [wheel for wheel, up in zip(WHEELS, now.lifted, strict=True) if up]
-        if lifted:
-            notes.append((WARN, f'rollover warning: no load on {", ".join(lifted)}'))
+        if any(now.lifted):
+            lifted = ', '.join(wheel for wheel, up in zip(WHEELS, now.lifted, strict=True) if up)
+            notes.append((WARN, f'rollover warning: no load on {lifted}'))
         return health(notes, 'driving', self.values)
 
 

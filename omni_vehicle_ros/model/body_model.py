@@ -10,9 +10,10 @@ from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
 from omni_vehicle_ros.model.eight_dof import state as eight_dof_state
 from omni_vehicle_ros.model.eight_dof import vehicle as eight_dof
 from omni_vehicle_ros.model.eight_dof.constants import eight_dof_constants
+from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
 from omni_vehicle_ros.model.state import Vector, initial_state, state_view
 from omni_vehicle_ros.parameters import VehicleParameters
-from omni_vehicle_ros.wheels import PerWheel, per_wheel
+from omni_vehicle_ros.wheels import PerWheel, as_four, per_wheel
 
 SLIDING_PACE = 0.1
 """Speed below which the friction of a locked wheel fades [m/s]: slow enough for one control cycle to stop nothing."""
@@ -133,13 +134,11 @@ class YawPlane:
 
     def wheel_speeds(self, state: Vector, steer_angle: PerWheel) -> PerWheel:
         """Return the speeds over ground along the wheels, over the radius; see `BodyModel`."""
-        now, angle, radius = state_view(state), steer_angle, self._vehicle.wheel_radius
-        x, y = self._vehicle.wheel_x, self._vehicle.wheel_y
-        return per_wheel(
-            lambda i: (
-                (math.cos(angle[i]) * (now.vx - y[i] * now.r) + math.sin(angle[i]) * (now.vy + x[i] * now.r)) / radius
-            )
-        )
+        velocities, radius = wheel_velocities(Twist(*state[:3].tolist()), self._vehicle), self._vehicle.wheel_radius
+        return as_four([
+            (math.cos(angle) * ahead + math.sin(angle) * left) / radius
+            for angle, (ahead, left) in zip(steer_angle, velocities, strict=True)
+        ])
 
     def locked(self, state: Vector, wheels: Collection[int]) -> Vector:
         """Return the state as it is: the spins are no part of it; see `BodyModel`."""
