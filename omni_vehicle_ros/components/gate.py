@@ -51,21 +51,25 @@ class Gate:
             self._before = -1
         self._earlier.clear()
         self._open = self._latest = stamp
-        self._awaited = {source for source in self._answered if self._lacks(source)} - self.lost
+        self._awaited = {*self._lacking()} - self.lost
 
     def answer(self, source: str, stamp: int) -> None:
         """Note that a source has answered for ``stamp`` [ns]."""
-        if source not in self._answered:
+        last = self._answered.get(source)
+        if last is None:
             return
-        if stamp <= self._answered[source]:
+        if stamp <= last:
             self._earlier[source] = stamp
-        else:
-            self._answered[source] = stamp
-            if self._patient or stamp >= self._latest:
-                self.lost.discard(source)
-            if self._open is not None:
-                awaited = self._lacks(source) and source not in self.lost
-                (self._awaited.add if awaited else self._awaited.discard)(source)
+            return
+        self._answered[source] = stamp
+        if self.lost and (self._patient or stamp >= self._latest):
+            self.lost.discard(source)
+        if self._open is None:
+            return
+        if stamp >= (self._before if source in self._previous else self._open):
+            self._awaited.discard(source)
+        elif source not in self.lost:
+            self._awaited.add(source)
 
     def hear(self, topic: str, stamp: int) -> None:
         """Note a message: an answer for ``stamp`` [ns], or one that may be announced."""
@@ -82,7 +86,7 @@ class Gate:
         """Return the sources that have not answered for the open cycle, lost ones included."""
         if self._open is None or not (self._awaited or self.lost):
             return ()
-        return tuple(source for source in self._answered if self._lacks(source))
+        return tuple(self._lacking())
 
     def absent(self) -> str:
         """Say what the open cycle lacks."""
@@ -135,6 +139,10 @@ class Gate:
         self.lost |= self._awaited & self._previous
         self._awaited -= self._previous
 
-    def _lacks(self, source: str) -> bool:
-        due = self._before if source in self._previous else self._open
-        return due is not None and self._answered[source] < due
+    def _lacking(self) -> list[str]:
+        """Return the sources that have not answered for the open cycle."""
+        due, before = self._latest, self._before
+        return [
+            source for source, stamp in self._answered.items()
+            if stamp < (before if source in self._previous else due)
+        ]
