@@ -45,5 +45,5 @@ class ExactSideSlip:
         note = WARN, f'trim of {beyond} is beyond trim_limit, {self._limit:g} rad: the exact form has no limit'
         outputs = self._reporter.report(stamp, health([note] if beyond else [], 'controlling side slip'))
         for wheel, trim in zip(WHEELS, trims, strict=True):
-            outputs.append(Output(f'{wheel}/trim', module_joints(wheel, stamp, (trim, 0.0), (0.0, 0.0))))
+            outputs.append(Output(f'{wheel}/trim', module_joints(wheel, stamp, trim, 0.0, 0.0, 0.0)))
         return outputs

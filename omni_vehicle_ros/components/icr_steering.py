@@ -66,6 +66,11 @@ class IcrSteering:
         self._law = Law(vehicle, steering, control_period)
         law = self._law
         self._twists = {'driver/speed': law.speed, 'teleop/cmd_vel': law.teleop, 'cmd_vel': law.cmd_vel}
+        self._takers = {
+            'joint_states': self._take_joints,
+            **dict.fromkeys(STATES, self._take_state),
+            **dict.fromkeys(TRIMS, self._take_trim),
+        }
         module = replace(module, steer_limit=steering.steer_limit)
         self._joint_check = JointCheck(math.inf if module.ideal_actuators else module.steer_rate_limit)
         # Ideal actuators are where they are told to be, and with exact side-slip control their trims are in the plant.
@@ -89,7 +94,7 @@ class IcrSteering:
     def receive(self, topic: str, value: Value, now: int) -> None:
         """Take the measured joints, what the modules were and are about to do, or a driver command."""
         if isinstance(value, Joints):
-            self._take_joints(topic, value, now)
+            self._takers[topic](topic, value, now)
         elif isinstance(value, Point):
             self._law.icr(value, now)
         elif isinstance(value, Wrench):
@@ -99,19 +104,21 @@ class IcrSteering:
         elif isinstance(value, Flag):
             self._law.emergency_stop(value.data)
 
-    def _take_joints(self, topic: str, value: Joints, now: int) -> None:
-        if topic in STATES:
-            self._said[topic] = max(self._said.get(topic, 0), min(value.stamp or now, now))
-            word = _word(value, self._period)
+    def _take_state(self, topic: str, value: Joints, now: int) -> None:
+        self._said[topic] = max(self._said.get(topic, 0), min(value.stamp or now, now))
+        if len(value.position) == len(value.velocity) == len(value.effort) == 2:
+            word = Word(value.stamp, value.position[0] + value.velocity[0] * self._period, value.effort[1])
             if math.isfinite(word.steer_angle + word.torque):
                 self._words[topic] = word
-        elif topic in TRIMS:
-            if len(value.position) == len(value.effort) == 2 and math.isfinite(value.position[0] + value.effort[1]):
-                self._trims[topic] = Trim(value.stamp, value.position[0], value.effort[1])
-        else:
-            joints = vehicle_joints(value)
-            self._lacking = joints is None
-            self._latest = joints or self._latest
+
+    def _take_trim(self, topic: str, value: Joints, now: int) -> None:
+        if len(value.position) == len(value.effort) == 2 and math.isfinite(value.position[0] + value.effort[1]):
+            self._trims[topic] = Trim(value.stamp, value.position[0], value.effort[1])
+
+    def _take_joints(self, topic: str, value: Joints, now: int) -> None:
+        joints = vehicle_joints(value)
+        self._lacking = joints is None
+        self._latest = joints or self._latest
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the set-points that belong to ``stamp`` [ns]."""
@@ -124,8 +131,8 @@ class IcrSteering:
         outputs = self._reporter.report(stamp, state)
         outputs.append(Output('commanded_twist', Twist(stamp, *setpoints.twist)))
         for i, wheel in enumerate(WHEELS):
-            steer, drive = (setpoints.steer_angle[i], 0.0), (setpoints.wheel_speed[i], setpoints.torque[i])
-            outputs.append(Output(f'{wheel}/command', module_joints(wheel, stamp, steer, drive)))
+            angle, speed, torque = setpoints.steer_angle[i], setpoints.wheel_speed[i], setpoints.torque[i]
+            outputs.append(Output(f'{wheel}/command', module_joints(wheel, stamp, angle, 0.0, speed, torque)))
         return outputs
 
     def _steer(self, stamp: int) -> Setpoints:
@@ -176,11 +183,5 @@ class IcrSteering:
             return Heard(True, stamp - said > self._silence, stamp - said, trim)
 
         measured = Measured(joints.steer_angle, joints.wheel_speed, joints.torque)
-        return self._monitor.update(stamp, measured, per_wheel(heard))._replace(blind=self._blind)
-
-
-def _word(value: Joints, period: float) -> Word:
-    """Return what a module says of itself; no number where it says none."""
-    if not len(value.position) == len(value.velocity) == len(value.effort) == 2:
-        return Word(value.stamp, math.nan, math.nan)
-    return Word(value.stamp, value.position[0] + value.velocity[0] * period, value.effort[1])
+        condition = self._monitor.update(stamp, measured, per_wheel(heard))
+        return condition._replace(blind=True) if self._blind else condition

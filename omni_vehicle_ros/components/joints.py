@@ -72,6 +72,8 @@ def _sorted(value: Joints) -> Joints:
     )
 
 
-def module_joints(wheel: str, stamp: int, steer: tuple[float, float], drive: tuple[float, float]) -> Joints:
-    """Return the message of one module from steer (angle, rate) and drive (wheel speed, torque)."""
-    return Joints(stamp, MODULE_NAMES[wheel], (steer[0], 0.0), (steer[1], drive[0]), (0.0, drive[1]))
+def module_joints(
+    wheel: str, stamp: int, steer_angle: float, steer_rate: float, wheel_speed: float, torque: float
+) -> Joints:
+    """Return the message of one module [rad, rad/s, rad/s, N m]."""
+    return Joints(stamp, MODULE_NAMES[wheel], (steer_angle, 0.0), (steer_rate, wheel_speed), (0.0, torque))

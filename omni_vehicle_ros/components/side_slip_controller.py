@@ -98,7 +98,7 @@ class SideSlipController:
             state = state.with_notes((ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
         outputs = self._reporter.report(stamp, state)
         for i, wheel in enumerate(WHEELS):
-            joints = module_joints(wheel, stamp, (trims.steer_angle[i], 0.0), (0.0, trims.torque[i]))
+            joints = module_joints(wheel, stamp, trims.steer_angle[i], 0.0, 0.0, trims.torque[i])
             outputs.append(Output(f'{wheel}/trim', joints))
         return outputs
 

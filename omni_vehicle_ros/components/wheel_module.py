@@ -66,11 +66,10 @@ class WheelModule:
 
     def receive(self, topic: str, value: Value, now: int) -> None:
         """Take the measured joints, a set-point, a trim or an emergency stop."""
-        if isinstance(value, Flag):
-            self._law.emergency_stop(value.data)
         if not isinstance(value, Joints):
-            return
-        if topic == 'joint_states':
+            if isinstance(value, Flag):
+                self._law.emergency_stop(value.data)
+        elif topic == 'joint_states':
             joints = wheel_joints(value, self._index)
             if joints is not None:
                 self._steer_angle, self._wheel_speed = joints
@@ -95,16 +94,16 @@ class WheelModule:
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return what the actuators do from ``stamp`` [ns] to the next cycle."""
-        state = self._law.update(stamp, self._wheel_speed)
+        angle, rate, torque = self._law.update(stamp, self._wheel_speed)
         outputs = self._reporter.report(stamp, self._law.status.with_notes(*self._own_notes(stamp)))
-        steer, drive = (state.steer_angle, state.steer_rate), (self._wheel_speed, state.drive_torque)
-        outputs.append(Output(f'{self.wheel}/state', module_joints(self.wheel, stamp, steer, drive)))
+        joints = module_joints(self.wheel, stamp, angle, rate, self._wheel_speed, torque)
+        outputs.append(Output(f'{self.wheel}/state', joints))
         return outputs
 
     def rest(self, stamp: int) -> list[Output]:
         """Return what the actuators do when the module acts no more: they hold the angle, without torque."""
         self._law.rest()
-        joints = module_joints(self.wheel, stamp, (self._steer_angle, 0.0), (self._wheel_speed, 0.0))
+        joints = module_joints(self.wheel, stamp, self._steer_angle, 0.0, self._wheel_speed, 0.0)
         return [Output(f'{self.wheel}/state', joints)]
 
     def fall_back(self, stamp: int) -> list[Output]:

@@ -20,6 +20,9 @@ class Source(Enum):
         self.topic = topic
         self.priority = priority
 
+    # Thrice as fast as that of Enum, which is written in Python.
+    __hash__ = object.__hash__
+
     @property
     def kind(self) -> str:
         """What stands behind it."""

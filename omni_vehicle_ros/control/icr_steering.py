@@ -32,7 +32,7 @@ from omni_vehicle_ros.control.traction import (
 )
 from omni_vehicle_ros.model.kinematics import Twist
 from omni_vehicle_ros.parameters import SteeringParameters, VehicleParameters
-from omni_vehicle_ros.wheels import WHEELS, PerWheel, per_wheel
+from omni_vehicle_ros.wheels import WHEELS, PerWheel, as_four, per_wheel, scaled
 
 # Actuator lag and side-slip trims are within this of the set-points [rad], and no reason to slow down.
 _ALIGNED = 0.35
@@ -195,7 +195,7 @@ class IcrSteering:
         wanted = self._allowed(self._driver.demand(now), now)
         demand = self._reaction.limit(wanted, condition, self._measured_angles, self._measured_speeds)
         sense = self._turn(demand.motion, dt)
-        rolling = per_wheel(lambda i: float(condition.wheels[i].drive is not DriveFault.LOCKED))
+        rolling = as_four([float(wheel.drive is not DriveFault.LOCKED) for wheel in condition.wheels])
         self._twist = measured_twist(
             self._measured_speeds, self._measured_angles, self._motion or STRAIGHT, self._vehicle, rolling
         )
@@ -216,7 +216,7 @@ class IcrSteering:
         if all(map(math.isfinite, (*steer_angles, *wheel_speeds))):
             radius = self._vehicle.wheel_radius
             self._measured_angles = steer_angles
-            self._measured_speeds = clipped(per_wheel(lambda i: radius * wheel_speeds[i]), _FASTEST)
+            self._measured_speeds = clipped(scaled(radius, wheel_speeds), _FASTEST)
         else:
             self._notes.append((ERROR, 'a measured steer angle or wheel speed is not finite: the last good ones count'))
         if self._angles is None:
@@ -366,15 +366,12 @@ class IcrSteering:
         """Return 1 if the wheels point where they should, down to 0 if one of them is far off."""
         if not self._steering.alignment_slowdown or self._angles is None:
             return 1.0
-        relevant = _SLOW_WHEEL * max(map(abs, unit_speeds))
-        error = max(
-            (
-                abs(self._angles[i] - self._measured_angles[i])
-                for i in range(4)
-                if abs(unit_speeds[i]) >= relevant and self._condition.wheels[i].steers
-            ),
-            default=0.0,
-        )
+        errors = [abs(angle - told) for angle, told in zip(self._measured_angles, self._angles, strict=True)]
+        if max(errors) <= _ALIGNED:
+            return 1.0
+        relevant, wheels = _SLOW_WHEEL * max(map(abs, unit_speeds)), self._condition.wheels
+        judged = (error for i, error in enumerate(errors) if abs(unit_speeds[i]) >= relevant and wheels[i].steers)
+        error = max(judged, default=0.0)
         return min(max((_MISALIGNED - error) / (_MISALIGNED - _ALIGNED), 0.0), 1.0)
 
     def _set(self, magnitude: float, unit_speeds: PerWheel, forces: PerWheel) -> Setpoints:
@@ -382,8 +379,8 @@ class IcrSteering:
         forces = self._reaction.drive(forces, unit_speeds)
         return Setpoints(
             self._reaction.told(self._angles or _ZERO),
-            per_wheel(lambda i: magnitude * unit_speeds[i] / radius),
-            per_wheel(lambda i: forces[i] * radius),
+            as_four([magnitude * speed / radius for speed in unit_speeds]),
+            scaled(radius, forces),
             twist_of_motion(self._motion or STRAIGHT, magnitude, length_scale(self._vehicle)),
         )
 

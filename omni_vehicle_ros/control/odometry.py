@@ -8,7 +8,7 @@ them can't be seen, and the commanded motion stands in.
 import math
 
 from omni_vehicle_ros.control.motion import Motion, length_scale
-from omni_vehicle_ros.model.kinematics import Twist
+from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import PerWheel
 
@@ -48,18 +48,18 @@ def measured_twist(
         How much each wheel counts; 0 for one that does not roll.
     """
     length = length_scale(vehicle)
-    x, y = vehicle.wheel_x, vehicle.wheel_y
     (ux, uy, ur), plain = motion, _PRIOR + _REGULAR
     xx, yy, rr = plain - _PRIOR * ux * ux, plain - _PRIOR * uy * uy, plain - _PRIOR * ur * ur
     xy, xr, yr = -_PRIOR * ux * uy, -_PRIOR * ux * ur, -_PRIOR * uy * ur
     bx = by = br = 0.0
-    for i in range(4):
-        cos, sin = math.cos(steer_angles[i]), math.sin(steer_angles[i])
-        arm = (x[i] * sin - y[i] * cos) / length
-        c, s, a = weights[i] * cos, weights[i] * sin, weights[i] * arm
+    places = vehicle.wheel_x, vehicle.wheel_y
+    for speed, angle, weight, x, y in zip(speeds, steer_angles, weights, *places, strict=True):
+        cos, sin = math.cos(angle), math.sin(angle)
+        arm = (x * sin - y * cos) / length
+        c, s, a = weight * cos, weight * sin, weight * arm
         xx, yy, rr = xx + c * cos, yy + s * sin, rr + a * arm
         xy, xr, yr = xy + c * sin, xr + c * arm, yr + s * arm
-        bx, by, br = bx + c * speeds[i], by + s * speeds[i], br + a * speeds[i]
+        bx, by, br = bx + c * speed, by + s * speed, br + a * speed
     # The inverse of a symmetric matrix by its cofactors.
     cx, cy, cr = yy * rr - yr * yr, xr * yr - xy * rr, xy * yr - xr * yy
     dy, dr, er = xx * rr - xr * xr, xy * xr - xx * yr, xx * yy - xy * xy
@@ -100,11 +100,9 @@ def sideways_speed(twist: Twist, steer_angles: PerWheel, vehicle: VehicleParamet
     vehicle
         Positions of the wheels.
     """
-    x, y = vehicle.wheel_x, vehicle.wheel_y
     across = along = 0.0
-    for i in range(4):
-        ahead, left = twist.vx - y[i] * twist.r, twist.vy + x[i] * twist.r
-        cos, sin = math.cos(steer_angles[i]), math.sin(steer_angles[i])
+    for angle, (ahead, left) in zip(steer_angles, wheel_velocities(twist, vehicle), strict=True):
+        cos, sin = math.cos(angle), math.sin(angle)
         across += abs(left * cos - ahead * sin)
         along += abs(ahead * cos + left * sin)
     return 0.25 * across, 0.25 * along

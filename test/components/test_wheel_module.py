@@ -39,7 +39,7 @@ class Bench:
         return self.said
 
     def joints(self, angle):
-        return module_joints(WHEEL, self.stamp, (angle, 0.0), (0.0, 0.0))
+        return module_joints(WHEEL, self.stamp, angle, 0.0, 0.0, 0.0)
 
 
 def test_a_controller_that_ends_is_named():
@@ -95,7 +95,7 @@ def test_a_module_that_falls_back_holds_its_angle_without_torque_and_begins_anew
         names = tuple(f'{wheel}_{joint}' for joint in ('steer', 'drive') for wheel in WHEELS)
         beat = Joints(stamp, names, *[tuple(joints)] * 3)
         module.receive('joint_states', beat, stamp)
-        module.receive(f'{WHEEL}/command', module_joints(WHEEL, stamp, (measured, 0.0), (0.0, torque)), stamp)
+        module.receive(f'{WHEEL}/command', module_joints(WHEEL, stamp, measured, 0.0, 0.0, torque), stamp)
         return module.step(stamp)
 
     for k in range(200):
@@ -116,7 +116,7 @@ def test_a_module_that_falls_back_holds_its_angle_without_torque_and_begins_anew
 
 def test_a_module_that_has_fallen_back_does_not_act_on_what_it_heard_before():
     module = WheelModule(WHEEL, WheelModuleParameters(), 0.005, 0.2, trimmed=False)
-    module.receive(f'{WHEEL}/command', module_joints(WHEEL, STEP, (0.3, 0.0), (0.0, 300.0)), STEP)
+    module.receive(f'{WHEEL}/command', module_joints(WHEEL, STEP, 0.3, 0.0, 0.0, 300.0), STEP)
     module.fall_back(STEP)
     *_, (_, state) = module.step(2 * STEP)
     assert state.effort[1] == state.velocity[0] == 0.0

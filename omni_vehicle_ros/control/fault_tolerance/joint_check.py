@@ -66,11 +66,11 @@ class JointCheck:
         return self._debounce.update(not self.fits)
 
     def _fits(self, before: Joints, now: Joints, dt: float) -> bool:
-        for i in range(4):
-            turned = now.rotation[i] - before.rotation[i]
-            mean = 0.5 * (now.wheel_speed[i] + before.wheel_speed[i])
-            if abs(turned - mean * dt) > ROTATION_TOLERANCE + 0.2 * abs(mean) * dt:
+        largest_step = ANGLE_TOLERANCE + self._rate * dt
+        for angle, rotation, speed, last_angle, last_rotation, last_speed in zip(*now, *before, strict=True):
+            mean = 0.5 * (speed + last_speed)
+            if abs(rotation - last_rotation - mean * dt) > ROTATION_TOLERANCE + 0.2 * abs(mean) * dt:
                 return False
-            if abs(now.steer_angle[i] - before.steer_angle[i]) > ANGLE_TOLERANCE + self._rate * dt:
+            if abs(angle - last_angle) > largest_step:
                 return False
         return True

@@ -74,7 +74,6 @@ class SteeringCheck:
         """Constant error of an `SteerFault.OFFSET`, else 0 [rad]."""
         self._debounce = Debounce(SEEN_AFTER, LIFTED_AFTER)
         self._expected: deque[float] = deque(maxlen=late + 1)
-        self._errors: deque[float] = deque(maxlen=_WINDOW)
         self._seen: deque[tuple[float, float]] = deque(maxlen=_WINDOW)
         self._votes: deque[SteerFault] = deque(maxlen=_JURY)
         self._right = 0.0
@@ -91,10 +90,9 @@ class SteeringCheck:
             Returns in which one the wheel moves over ground [rad]; None if it hardly moves.
         """
         self._expected.append(expected)
-        self._errors.append(measured - expected)
+        self._seen.append((measured, expected))
         low, high = min(self._expected) - ANGLE_TOLERANCE, max(self._expected) + ANGLE_TOLERANCE
         wrong = not low <= measured <= high
-        self._seen.append((measured, expected))
         if not wrong and not self._debounce.on:
             self._right = measured
             self._age = 0
@@ -107,8 +105,15 @@ class SteeringCheck:
             self.fault = SteerFault.NONE
         elif wrong:
             self._name(measured)
-        self.offset = sum(self._errors) / len(self._errors) if self.fault is SteerFault.OFFSET else 0.0
+        self.offset = self._mean_error() if self.fault is SteerFault.OFFSET else 0.0
         return self.fault
+
+    def _mean_error(self) -> float:
+        errors = self._errors()
+        return sum(errors) / len(errors)
+
+    def _errors(self) -> list[float]:
+        return [measured - expected for measured, expected in self._seen]
 
     def _name(self, measured: float) -> None:
         """Name the fault: at first as any, and by its kind when it has been seen long enough."""
@@ -133,7 +138,7 @@ class SteeringCheck:
             return self.fault
         if moved < max(_LITTLE * told, _MOTION) and abs(measured - self._right) < _LITTLE * error:
             return SteerFault.STUCK
-        if _range(self._errors) < max(_LITTLE * told, _MOTION):
+        if _range(self._errors()) < max(_LITTLE * told, _MOTION):
             return SteerFault.OFFSET
         if direction is not None and abs(math.remainder(measured - direction, math.pi)) < near:
             return SteerFault.FREE
