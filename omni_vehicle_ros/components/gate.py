@@ -54,29 +54,28 @@ class Gate:
         self._awaited = {*self._lacking()} - self.lost
 
     def answer(self, source: str, stamp: int) -> None:
-        """Note that a source has answered for ``stamp`` [ns]."""
-        last = self._answered.get(source)
-        if last is None:
-            return
-        if stamp <= last:
-            self._earlier[source] = stamp
-            return
-        self._answered[source] = stamp
-        if self.lost and (self._patient or stamp >= self._latest):
-            self.lost.discard(source)
-        if self._open is None:
-            return
-        if stamp >= (self._before if source in self._previous else self._open):
-            self._awaited.discard(source)
-        elif source not in self.lost:
-            self._awaited.add(source)
+        """Note that a source has answered for ``stamp`` [ns]; one that is not of this gate is no matter."""
+        if source in self._answered:
+            self.hear(source, stamp)
 
     def hear(self, topic: str, stamp: int) -> None:
         """Note a message: an answer for ``stamp`` [ns], or one that may be announced."""
-        if topic in self._answered:
-            self.answer(topic, stamp)
-        else:
+        last = self._answered.get(topic)
+        if last is None:
             self._heard[topic] += 1
+            return
+        if stamp <= last:
+            self._earlier[topic] = stamp
+            return
+        self._answered[topic] = stamp
+        if self.lost and (self._patient or stamp >= self._latest):
+            self.lost.discard(topic)
+        if self._open is None:
+            return
+        if stamp >= (self._before if topic in self._previous else self._open):
+            self._awaited.discard(topic)
+        elif topic not in self.lost:
+            self._awaited.add(topic)
 
     def announce(self, topics: Iterable[str]) -> None:
         """Note that one message more has been published on each of ``topics``."""

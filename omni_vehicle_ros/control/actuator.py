@@ -1,25 +1,9 @@
 """Actuators of a wheel: time delay, time constant, rate limit and range, each cycle solved exactly."""
 
 import math
-from typing import NamedTuple
 
 from omni_vehicle_ros.control.freshness import NANOSECONDS
 from omni_vehicle_ros.parameters import WheelModuleParameters
-
-
-class SteerMotion(NamedTuple):
-    """What the steering does over the coming cycle.
-
-    Attributes
-    ----------
-    angle
-        Steer angle at its begin [rad].
-    rate
-        Mean steer rate [rad/s].
-    """
-
-    angle: float
-    rate: float
 
 
 def lag_step(value: float, target: float, duration: float, time_constant: float, rate_limit: float) -> float:
@@ -95,7 +79,7 @@ class SteerActuator:
         self._now = now
         return self._angle
 
-    def update(self, now: int, set_point: float, period: float) -> SteerMotion:
+    def update(self, now: int, set_point: float, period: float) -> tuple[float, float]:
         """Take a set-point.
 
         Parameters
@@ -106,6 +90,11 @@ class SteerActuator:
             Where the wheel should point [rad]; beyond the range it is clipped.
         period
             Time to the next cycle [s].
+
+        Returns
+        -------
+        tuple of float
+            Steer angle at the begin of the coming cycle [rad], and mean steer rate over it [rad/s].
         """
         limit = self._parameters.steer_limit
         if abs(set_point) > limit:
@@ -113,12 +102,12 @@ class SteerActuator:
         self.reach(now)
         if self._parameters.ideal_actuators:
             self._angle = set_point
-            return SteerMotion(set_point, 0.0)
+            return set_point, 0.0
         self._remember(now, set_point)
         end = now + round(period * NANOSECONDS)
         ahead = self._follow(now, end)
         self._foreseen = end, ahead
-        return SteerMotion(self._angle, (ahead - self._angle) / period)
+        return self._angle, (ahead - self._angle) / period
 
     def _remember(self, now: int, set_point: float) -> None:
         steps, start = self._staircase, now + self._delay

@@ -6,7 +6,7 @@ Random numbers are those of a seed and of the time since the failure began: a ru
 from collections import deque
 from random import Random
 
-from omni_vehicle_ros.control.actuator import DriveActuator, SteerActuator, SteerMotion
+from omni_vehicle_ros.control.actuator import DriveActuator, SteerActuator
 from omni_vehicle_ros.control.freshness import NANOSECONDS
 from omni_vehicle_ros.faults import OK, Fault
 from omni_vehicle_ros.parameters import WheelModuleParameters
@@ -72,7 +72,7 @@ class FailingSteer:
         """Return the steer angle at ``now`` [ns]; see `SteerActuator.reach`."""
         return self._actuator.reach(now) if self._held is None else self._held
 
-    def update(self, now: int, set_point: float, period: float) -> SteerMotion:
+    def update(self, now: int, set_point: float, period: float) -> tuple[float, float]:
         """Take a set-point; see `SteerActuator.update`."""
         if self._fault.failure == OK and self._held is None:
             return self._actuator.update(now, set_point, period)
@@ -81,7 +81,7 @@ class FailingSteer:
         if self._stands(now - self._since):
             self._held = self.measured if self._fault.failure == 'off' else self.reach(now)
             self._actuator.rest_at(self._held)
-            return SteerMotion(self._held, 0.0)
+            return self._held, 0.0
         self._held = None
         return self._actuator.update(now, self._misled(now, set_point), period)
 

@@ -60,7 +60,7 @@ class SideSlipController:
         if dt is None:
             return self._trims
         slip, speed = sensed.side_slip, sensed.wheel_speed
-        self._bad = tuple(
+        self._bad = () if all(map(math.isfinite, slip + speed)) else tuple(
             wheel for i, wheel in enumerate(WHEELS) if not (math.isfinite(slip[i]) and math.isfinite(speed[i]))
         )
         self._trims = Trims(per_wheel(lambda i: self._trim(i, slip[i], speed[i], dt)))

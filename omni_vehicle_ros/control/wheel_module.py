@@ -150,8 +150,8 @@ class WheelModule:
         if self._stop:
             self._notes.append((ERROR, 'emergency stop: wheel braked'))
             torque = self._brake(torque, wheel_speed)
-        motion = self._steer.update(now, steer_angle, self._period)
-        return ModuleState(motion.angle, motion.rate, self._drive.update(torque, self._period))
+        angle, rate = self._steer.update(now, steer_angle, self._period)
+        return ModuleState(angle, rate, self._drive.update(torque, self._period))
 
     @property
     def status(self) -> Health:

@@ -24,7 +24,7 @@ def steering(*faults: tuple[int, str], cycles: int = 400, set_point=lambda time:
         if cycle in begun:
             failure, _, value = begun[cycle].partition(' ')
             steer.fail(make_fault('front_left/steering', failure, float(value) if value else None))
-        angles.append(steer.update(cycle * NS, set_point(cycle * PERIOD), PERIOD).angle)
+        angles.append(steer.update(cycle * NS, set_point(cycle * PERIOD), PERIOD)[0])
     return angles
 
 
@@ -34,7 +34,7 @@ def test_stuck_holds_the_angle_and_goes_on_from_there() -> None:
     assert set(angles[20:101]) == {angles[20]}
     # From there on as an actuator that starts at this angle.
     fresh = SteerActuator(PARAMETERS, angles[20])
-    assert angles[100:] == [fresh.update(cycle * NS, 0.5, PERIOD).angle for cycle in range(100, 400)]
+    assert angles[100:] == [fresh.update(cycle * NS, 0.5, PERIOD)[0] for cycle in range(100, 400)]
 
 
 def test_slow_turns_at_its_share_of_the_rate() -> None:
@@ -71,7 +71,7 @@ def test_off_is_where_the_road_puts_it() -> None:
     steer.measured = 0.4
     assert steer.update(0, 0.0, PERIOD) == (0.4, 0.0)
     steer.fail(make_fault('front_left/steering', OK))
-    assert steer.update(NS, 0.0, PERIOD).angle == 0.4
+    assert steer.update(NS, 0.0, PERIOD)[0] == 0.4
 
 
 FAILURES = st.sampled_from((OK, *KINDS['steering']))
@@ -80,18 +80,19 @@ FAILURES = st.sampled_from((OK, *KINDS['steering']))
 @given(st.lists(st.tuples(st.integers(0, 150), FAILURES, st.floats(-3.0, 3.0)), max_size=6))
 @settings(deadline=None, max_examples=40)
 def test_angles_stay_in_range_and_rate_whatever_fails_in_turn(story: list[tuple[int, str, float]]) -> None:
-    steer, motion = FailingSteer(PARAMETERS), None
+    steer, foreseen = FailingSteer(PARAMETERS), None
     for cycle in range(160):
         for _, failure, _ in (entry for entry in story if entry[0] == cycle):
             steer.fail(make_fault('front_left/steering', failure))
-        if motion is not None:
-            steer.measured = motion.angle + motion.rate * PERIOD
+        if foreseen is not None:
+            steer.measured = foreseen
         aim = next((target for begin, _, target in reversed(story) if begin <= cycle), 1.0)
-        before, motion = motion, steer.update(cycle * NS, aim, PERIOD)
-        assert abs(motion.angle) <= PARAMETERS.steer_limit + 1e-12
-        assert abs(motion.rate) <= PARAMETERS.steer_rate_limit * (1 + 1e-9)
-        if before is not None:
-            assert motion.angle == pytest.approx(before.angle + before.rate * PERIOD, abs=1e-9)
+        angle, rate = steer.update(cycle * NS, aim, PERIOD)
+        assert abs(angle) <= PARAMETERS.steer_limit + 1e-12
+        assert abs(rate) <= PARAMETERS.steer_rate_limit * (1 + 1e-9)
+        if foreseen is not None:
+            assert angle == pytest.approx(foreseen, abs=1e-9)
+        foreseen = angle + rate * PERIOD
 
 
 def torques(failure: str, value: float | None = None, cycles: int = 100) -> list[float]:

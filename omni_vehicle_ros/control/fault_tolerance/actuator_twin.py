@@ -51,5 +51,5 @@ class ActuatorTwin:
             if abs(added) > self._trim_limit:
                 added = math.copysign(self._trim_limit, added)
             steer_angle += added
-        motion = self._steer.update(stamp, steer_angle, self._period)
-        return motion.angle + motion.rate * self._period, self._drive.update(torque, self._period)
+        angle, rate = self._steer.update(stamp, steer_angle, self._period)
+        return angle + rate * self._period, self._drive.update(torque, self._period)

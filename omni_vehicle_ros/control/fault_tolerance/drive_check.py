@@ -4,7 +4,7 @@ from collections import deque
 
 from omni_vehicle_ros.control.fault_tolerance.condition import DriveFault
 from omni_vehicle_ros.control.fault_tolerance.debounce import Debounce
-from omni_vehicle_ros.control.fault_tolerance.steering_check import LATENESS, LIFTED_AFTER, SEEN_AFTER
+from omni_vehicle_ros.control.fault_tolerance.steering_check import LATENESS, LIFTED_AFTER, SEEN_AFTER, fits
 
 TORQUE_TOLERANCE = 30.0
 """Error of a drive torque that is no fault [N m]."""
@@ -57,8 +57,7 @@ class DriveCheck:
         """
         self._expected.append(expected)
         self._measured.append(measured)
-        low, high = min(self._expected) - TORQUE_TOLERANCE, max(self._expected) + TORQUE_TOLERANCE
-        wrong = self._debounce.update(not low <= measured <= high)
+        wrong = self._debounce.update(not fits(measured, self._expected, TORQUE_TOLERANCE))
         stands = abs(over_ground) > LOCKED_SPEED and abs(speed) < STANDS
         # A wheel that its brake stops, as it is told, is not a fault.
         told = expected * over_ground < -TORQUE_TOLERANCE * abs(over_ground)

@@ -212,12 +212,12 @@ class _WheelMonitor:
             self._begin_to_settle()
         if cycles > self._lateness:
             self._begin_to_settle()
-        set_point = told.steer_angle[wheel], told.torque[wheel]
-        expected = self._twin.update(told.stamp, *set_point, heard.trim)
-        for number in range(1, cycles):
-            expected = self._twin.update(told.stamp + number * self._step, *set_point, None)
+        set_angle, set_torque = told.steer_angle[wheel], told.torque[wheel]
+        expected_angle, expected_torque = self._twin.update(told.stamp, set_angle, set_torque, heard.trim)
+        for stamp in range(told.stamp + self._step, told.stamp + cycles * self._step, self._step):
+            expected_angle, expected_torque = self._twin.update(stamp, set_angle, set_torque, None)
         if self._settling:
-            self._settle(angle - expected[0], torque - expected[1])
+            self._settle(angle - expected_angle, torque - expected_torque)
             return WheelCondition(self._steering.fault, self._drive.fault)
         # What came late, or followed on what did, is no measure of an actuator.
         self._timely = self._timely + 1 if cycles == 1 and heard.age <= _TIMELY * self._step else 0
@@ -225,8 +225,8 @@ class _WheelMonitor:
             self._unjudged += 1
             return WheelCondition(self._steering.fault, self._drive.fault)
         self._unjudged = 0
-        steer = self._steering.update(angle, expected[0], partial(ground.direction, wheel))
-        drive = self._drive.update(torque, expected[1], ground.speed[wheel], ground.along(wheel))
+        steer = self._steering.update(angle, expected_angle, partial(ground.direction, wheel))
+        drive = self._drive.update(torque, expected_torque, ground.speed[wheel], ground.along(wheel))
         return _SOUND if steer is SteerFault.NONE and drive is DriveFault.NONE else WheelCondition(steer, drive)
 
     def _begin_to_settle(self) -> None:

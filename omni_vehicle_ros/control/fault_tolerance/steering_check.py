@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 from omni_vehicle_ros.control.fault_tolerance.condition import SteerFault
 from omni_vehicle_ros.control.fault_tolerance.debounce import Debounce
@@ -51,6 +51,24 @@ def lateness(control_period: float) -> int:
     return max(LATENESS, math.ceil(LATE / control_period))
 
 
+def fits(measured: float, expected: Sequence[float], tolerance: float) -> bool:
+    """Return whether a measurement is as expected in one of the last cycles, or between two of them.
+
+    Parameters
+    ----------
+    measured
+        In the last cycle.
+    expected
+        From cycle to cycle; it is the last one in nearly all cases.
+    tolerance
+        To either side.
+    """
+    last = expected[-1]
+    if last - tolerance <= measured <= last + tolerance:
+        return True
+    return min(expected) - tolerance <= measured <= max(expected) + tolerance
+
+
 class SteeringCheck:
     """Compares the steer angle of one wheel with what its actuator should have made of its set-points.
 
@@ -91,8 +109,7 @@ class SteeringCheck:
         """
         self._expected.append(expected)
         self._seen.append((measured, expected))
-        low, high = min(self._expected) - ANGLE_TOLERANCE, max(self._expected) + ANGLE_TOLERANCE
-        wrong = not low <= measured <= high
+        wrong = not fits(measured, self._expected, ANGLE_TOLERANCE)
         if not wrong and not self._debounce.on:
             self._right = measured
             self._age = 0

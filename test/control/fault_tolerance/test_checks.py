@@ -34,7 +34,7 @@ def sine(cycle):
 def actuator(**values):
     """Return what an actuator makes of the sine, cycle by cycle."""
     steer = SteerActuator(WheelModuleParameters(**values))
-    return [steer.update(cycle * STEP, sine(cycle), PERIOD).angle for cycle in range(1000)]
+    return [steer.update(cycle * STEP, sine(cycle), PERIOD)[0] for cycle in range(1000)]
 
 
 def steering_kinds(measured, directions=None):
