@@ -132,8 +132,9 @@ class Simulation:
         """Hand messages to those who subscribe to them, as their nodes would do."""
         for output in outputs:
             self._take(output)
-            for component in self._hearers[output.topic]:
-                component.receive(output.topic, output.value, now)
+            topic, value = output
+            for component in self._hearers[topic]:
+                component.receive(topic, value, now)
 
 
 def exact_gains(scenario: Scenario) -> PerWheel | None:

@@ -1,7 +1,6 @@
 """Watches the four wheel modules: what they do against what sound ones would."""
 
 import math
-from functools import partial
 from typing import NamedTuple
 
 from omni_vehicle_ros.control.fault_tolerance.actuator_twin import ActuatorTwin
@@ -198,34 +197,35 @@ class _WheelMonitor:
         self._before = angle
 
     def update(self, now: int, told: _Told, heard: Heard, measured: Measured, ground: _Ground) -> WheelCondition:
-        wheel = self._wheel
+        wheel, (begun, silent, age, trim), told_at = self._wheel, heard, told.stamp
         angle, torque = measured.steer_angle[wheel], measured.torque[wheel]
         before, self._before = self._before, angle
-        self._last_trim = heard.trim.steer_angle if heard.trim else self._last_trim
+        self._last_trim = trim.steer_angle if trim else self._last_trim
         self.trim += self._gain * (self._last_trim - self.trim)
-        cycles = (now - told.stamp) // self._step
-        if not heard.begun or heard.silent or not 0 < cycles <= _LONGEST_GAP:
+        cycles = (now - told_at) // self._step
+        if not begun or silent or not 0 < cycles <= _LONGEST_GAP:
             self._begin()
-            return WheelCondition(silent=heard.silent)
+            return WheelCondition(silent=silent)
         if self._twin is None:
             self._twin = ActuatorTwin(self._module, self._period, self._trim_limit, before)
             self._begin_to_settle()
         if cycles > self._lateness:
             self._begin_to_settle()
         set_angle, set_torque = told.steer_angle[wheel], told.torque[wheel]
-        expected_angle, expected_torque = self._twin.update(told.stamp, set_angle, set_torque, heard.trim)
-        for stamp in range(told.stamp + self._step, told.stamp + cycles * self._step, self._step):
+        expected_angle, expected_torque = self._twin.update(told_at, set_angle, set_torque, trim)
+        for cycle in range(1, cycles):
+            stamp = told_at + cycle * self._step
             expected_angle, expected_torque = self._twin.update(stamp, set_angle, set_torque, None)
         if self._settling:
             self._settle(angle - expected_angle, torque - expected_torque)
             return WheelCondition(self._steering.fault, self._drive.fault)
         # What came late, or followed on what did, is no measure of an actuator.
-        self._timely = self._timely + 1 if cycles == 1 and heard.age <= _TIMELY * self._step else 0
+        self._timely = self._timely + 1 if cycles == 1 and age <= _TIMELY * self._step else 0
         if self._timely < self._lateness:
             self._unjudged += 1
             return WheelCondition(self._steering.fault, self._drive.fault)
         self._unjudged = 0
-        steer = self._steering.update(angle, expected_angle, partial(ground.direction, wheel))
+        steer = self._steering.update(angle, expected_angle, lambda: ground.direction(wheel))
         drive = self._drive.update(torque, expected_torque, ground.speed[wheel], ground.along(wheel))
         return _SOUND if steer is SteerFault.NONE and drive is DriveFault.NONE else WheelCondition(steer, drive)
 
