@@ -82,7 +82,7 @@ class Simulation:
         ]
         steering = IcrSteering(
             scenario.vehicle, scenario.steering, scenario.wheel_module, period, scenario.side_slip.trim_limit,
-            name=name(interface.ICR_STEERING),
+            lockstep=True, name=name(interface.ICR_STEERING),
         )
         # The order is that of the block diagram: who speaks first is heard by those after it in the same cycle.
         self._chain: list[tuple[str, Component]] = [

@@ -1,6 +1,7 @@
 """Runs with faults and without: no false alarm, every fault seen in time, and what the vehicle does then."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -8,6 +9,8 @@ import numpy as np
 import pytest
 
 from omni_vehicle_ros.components.component import Output
+from omni_vehicle_ros.components.icr_steering import IcrSteering
+from omni_vehicle_ros.interface import ICR_STEERING, SIDE_SLIP_CONTROLLER, WHEEL_MODULES
 from omni_vehicle_ros.messages import Diagnostics
 from omni_vehicle_ros.scenarios import Scenario, load_scenario, scenario_names
 from omni_vehicle_ros.scenarios.scenario import make_scenario
@@ -43,14 +46,14 @@ def drive(scenario: Scenario) -> list[Output]:
     return outputs
 
 
-def said(outputs: list[Output]) -> list[tuple[float, str]]:
-    """Return what icr_steering and the side-slip controller warn of."""
+def said(outputs: list[Output], nodes: Sequence[str] = (ICR_STEERING, SIDE_SLIP_CONTROLLER)) -> list[tuple[float, str]]:
+    """Return what some nodes warn of."""
     return [
         (output.value.stamp / 1e9, status.message)
         for output in outputs
         if output.topic == '/diagnostics' and isinstance(output.value, Diagnostics)
         for status in output.value.statuses
-        if status.level and status.name in ('/icr_steering', '/side_slip_controller')
+        if status.level and status.name[1:] in nodes
     ]
 
 
@@ -186,3 +189,29 @@ def test_wheels_with_grip_are_sound_while_others_spin(friction: list[float]) -> 
         'commands': [{'at': 0.0, 'icr': 'straight', 'speed': 8.0}],
     })  # fmt: skip
     assert alarms(drive(scenario)) == []
+
+
+@pytest.mark.parametrize('cycles', [-4, -2, 1, 2, 19])
+def test_a_clock_that_jumps_by_some_cycles_is_named_at_once_and_costs_no_set_point(cycles: int) -> None:
+    """The first beat after the jump has the first stamp that nobody could foresee."""
+    outputs = drive(replace(slalom((1.5, 'clock', 'wrong', 0.005 * cycles)), duration=1.7))
+    when, text = next((when, text) for when, text in said(outputs) if 'clock' in text)
+    assert when == pytest.approx(1.505 + 0.005 * cycles)
+    assert ('went back' if cycles < 0 else f'comes {0.005 * (cycles + 1):g} s after the last one') in text
+    assert said(outputs, WHEEL_MODULES) == []
+
+
+def test_in_real_time_a_beat_that_was_lost_is_no_jump_of_the_clock() -> None:
+    scenario = slalom()
+    for lockstep in (False, True):
+        steering = IcrSteering(
+            scenario.vehicle, scenario.steering, scenario.wheel_module, 0.005, 0.2, lockstep=lockstep
+        )
+        texts = [
+            status.message
+            for cycle in (1, 2, 4, 5)
+            for output in steering.step(cycle * 5_000_000)
+            if output.topic == '/diagnostics' and isinstance(output.value, Diagnostics)
+            for status in output.value.statuses
+        ]
+        assert any('the clock' in text for text in texts) is lockstep

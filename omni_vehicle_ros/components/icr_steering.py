@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from omni_vehicle_ros.components.component import ERROR, NANOSECONDS, Output, Reporter
+from omni_vehicle_ros.components.component import ERROR, NANOSECONDS, WARN, Output, Reporter
 from omni_vehicle_ros.components.joints import ZEROS, VehicleJoints, module_joints, vehicle_joints
 from omni_vehicle_ros.control.fault_tolerance.condition import SOUND, Condition
 from omni_vehicle_ros.control.fault_tolerance.joint_check import JointCheck
@@ -25,6 +25,8 @@ SILENCE = 0.1
 
 UNBELIEVED = "joint_states can't be believed: they don't fit each other, or not what the wheel modules say"
 
+_JUMPED = 'joint_states comes {:g} s after the last one, not {:g} s: the clock jumped ahead, or cycles were lost'
+
 START_UP = 2 * NANOSECONDS
 """Simulated time that the first state of a module may take [ns]."""
 
@@ -45,6 +47,8 @@ class IcrSteering:
         Time from one cycle to the next [s].
     trim_limit
         Largest steer angle that a trim adds [rad].
+    lockstep
+        Whether every cycle is served, so that stamps are one period apart; in real time beats may be lost.
     name
         Full name of the node, for diagnostics.
     """
@@ -60,9 +64,11 @@ class IcrSteering:
         control_period: float,
         trim_limit: float,
         *,
+        lockstep: bool = False,
         name: str = '/icr_steering',
     ) -> None:
         self.name = name
+        self._longest_gap = round(control_period * NANOSECONDS) if lockstep else math.inf
         self._law = Law(vehicle, steering, control_period)
         law = self._law
         self._twists = {'driver/speed': law.speed, 'teleop/cmd_vel': law.teleop, 'cmd_vel': law.cmd_vel}
@@ -122,8 +128,11 @@ class IcrSteering:
 
     def step(self, stamp: int, missing: tuple[str, ...] = ()) -> list[Output]:
         """Return the set-points that belong to ``stamp`` [ns]."""
+        gap = stamp - self._watched if self._begun is not None else 0
         setpoints = self._setpoints = self._steer(stamp)
         state = self._law.status.with_notes(*self._monitor.notes)
+        if gap > self._longest_gap:
+            state = state.with_notes((WARN, _JUMPED.format(gap / NANOSECONDS, self._period)))
         if self._lacking:
             state = state.with_notes((ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))
         if self._blind:

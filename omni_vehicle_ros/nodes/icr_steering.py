@@ -38,7 +38,9 @@ class IcrSteeringNode(Shell):
         period = declare(self, PlantParameters, only=('control_period',)).control_period
         module = declare(self, WheelModuleParameters, only=ACTUATORS)
         trim_limit = declare(self, SideSlipParameters, only=('trim_limit',)).trim_limit
-        component = IcrSteering(vehicle, steering, module, period, trim_limit, name=self.full_name)
+        component = IcrSteering(
+            vehicle, steering, module, period, trim_limit, lockstep=self.lockstep, name=self.full_name
+        )
         trims = TRIMS if interface.SIDE_SLIP_CONTROLLER in self.pacing.participants else ()
         self.attach(component, previous=(*STATES, *trims), fetched=(*STATES, *TRIMS))
 

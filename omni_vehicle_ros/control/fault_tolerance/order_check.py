@@ -22,6 +22,7 @@ class OrderCheck:
         self._topic = topic
         self._late, self._longest = LATE * period, _OTHER_CLOCK * period
         self._last: int | None = None
+        self._now = 0
         self._wrong = ''
 
     def take(self, stamp: int, now: int) -> bool:
@@ -32,10 +33,12 @@ class OrderCheck:
         stamp
             Of the message [ns]; 0 is none.
         now
-            When it came in [ns].
+            Cycle in which it came in [ns]. These follow on each other, however messages overtake: one that is before
+            the last one is of a clock that went back.
         """
-        if self._last is not None and self._last - now > self._late:
-            self._last = None  # the clock went back
+        if now < self._now or (self._last is not None and self._last - now > self._late):
+            self._last = None
+        self._now = now
         last = self._last
         if stamp and last is not None and 0 <= last - stamp <= self._longest:
             self._wrong = 'comes twice' if stamp == last else 'comes out of order: the older message is dropped'
