@@ -24,6 +24,10 @@ from omni_vehicle_ros.parameters import VehicleParameters
 FARTHEST = math.pi / 3.0
 """A motion farther from the driver's than this is not what the driver wants in any sense [rad]."""
 
+FORCED = 0.05
+"""The one motion of two axle lines can't be steered. It is only made if it is not farther from the driver's than this
+[rad]: over the way of a stop from 4 m/s at 2 m/s2 the path is then off by a third of a metre at most."""
+
 # Axle lines whose planes have a smaller angle than this are one [rad]: those of two wheels that point straight on.
 _SAME_LINE = 0.02
 
@@ -62,7 +66,7 @@ def nearest_motion(
     Returns
     -------
     Motion or None
-        None if there is no such motion within `FARTHEST` of the target.
+        None if there is no such motion within `FARTHEST` of the target, or within `FORCED` if it is the only one.
     """
     planes = _different([_plane(wheel, vehicle) for wheel in held])
     if len(planes) > 2:
@@ -72,7 +76,7 @@ def nearest_motion(
     meeting = unit_motion(*_cross(*planes))
     if angle_between(meeting, target) > 0.5 * math.pi:
         meeting = opposite(meeting)
-    return meeting if angle_between(meeting, target) <= FARTHEST and reachable(meeting) else None
+    return meeting if angle_between(meeting, target) <= FORCED and reachable(meeting) else None
 
 
 def _plane(wheel: HeldWheel, vehicle: VehicleParameters) -> Motion:
