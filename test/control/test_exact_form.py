@@ -47,7 +47,7 @@ def sampled(scale, duration):
         motions = [actuators[i].update(stamp, wanted[i] + trims[i], period) for i in range(4)]
         angles, rates = zip(*motions, strict=True)
         state = advance(state, angles, rates, NONE, ROAD, MODEL, period, 0.001, True)
-        angles = tuple(motion.angle + motion.rate * period for motion in motions)
+        angles = tuple(angle + rate * period for angle, rate in motions)
         if (cycle + 1) % round(SAMPLE / period) == 0:
             states.append(state)
     return np.array(states), evaluate(state, Inputs(angles), ROAD, MODEL, True).side_slip
