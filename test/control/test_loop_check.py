@@ -38,8 +38,8 @@ def swing(parameters, module, cycles=2000):
         now = round(k * PERIOD * 1e9)
         slips.append(1e-6 + angle)
         trim = law.update(now, Sensed((slips[-1], 0.0, 0.0, 0.0), (9.0,) * 4)).steer_angle[0]
-        motion = steering.update(now, trim, PERIOD)
-        angle = motion.angle + PERIOD * motion.rate
+        angle, rate = steering.update(now, trim, PERIOD)
+        angle += PERIOD * rate
     change = np.abs(np.diff(slips))
     return change[-200:].max() / change[:200].max()
 

@@ -44,8 +44,8 @@ def last_slips(gain, tau, delay, period, cycles=4000):
         now = round(k * period * 1e9)
         slips.append(0.01 + angle)
         trim = controller.update(now, Sensed((slips[-1], 0.0, 0.0, 0.0), (9.0,) * 4)).steer_angle[0]
-        motion = steering.update(now, trim, period)
-        angle = motion.angle + period * motion.rate
+        angle, rate = steering.update(now, trim, period)
+        angle += period * rate
     return slips[-200:]
 
 
