@@ -48,9 +48,9 @@ def run(parameters, speed, module, period, duration, factor=1.0):
         moment = np.dot(torques, traction_levers((0.0,) * 4, VEHICLE)) / VEHICLE.wheel_radius
         for piece in range(FINE):
             share = period * (piece + 0.5) / FINE
-            front, rear = (moves[i].angle + share * moves[i].rate for i in (0, 2))
+            front, rear = (moves[i][0] + share * moves[i][1] for i in (0, 2))
             motion = step @ np.array([*motion, front, rear, moment])
-        angles = tuple(move.angle + period * move.rate for move in moves)
+        angles = tuple(angle + period * rate for angle, rate in moves)
         yaw.append(motion[1])
     return np.array(yaw)
 
