@@ -212,16 +212,18 @@ class Plant:
             self._plant.integration_step,
             self._plant.constant_speed,
         )
-        self._steer_angle = [angle + rate * period for angle, rate in zip(self._steer_angle, rate, strict=True)]
+        moving = zip(self._steer_angle, self._steer_rate, strict=True)
+        self._steer_angle = [angle + rate * period for angle, rate in moving]
         if self._locked:
             self._state = self._body.locked(self._state, self._locked)
-        angle, rotation, before = self._now.steer_angle, self._rotation, self._wheel_speed
+        angle, before = self._now.steer_angle, self._wheel_speed
         now = self._now = self._evaluate()
         speed = self._wheel_speed = self._speeds()
         self._rate = rate if gain == ZEROS else per_wheel(
             lambda i: (now.steer_angle[i] - angle[i]) / period if gain[i] > 0.0 else rate[i]
         )
-        self._rotation = per_wheel(lambda i: rotation[i] + 0.5 * (before[i] + speed[i]) * period)
+        turning = zip(self._rotation, before, speed, strict=True)
+        self._rotation = as_four([rotation + 0.5 * (first + last) * period for rotation, first, last in turning])
 
     def _swing(self, wheel: int, trail: float) -> None:
         """Turn a wheel whose motor is off towards its own motion, no faster and no farther than the others turn."""

@@ -10,7 +10,6 @@ from omni_vehicle_ros.model.dynamics import Environment, Evaluation, Inputs
 from omni_vehicle_ros.model.eight_dof import state as eight_dof_state
 from omni_vehicle_ros.model.eight_dof import vehicle as eight_dof
 from omni_vehicle_ros.model.eight_dof.constants import eight_dof_constants
-from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
 from omni_vehicle_ros.model.state import Vector, initial_state, state_view
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import PerWheel, as_four, per_wheel
@@ -134,10 +133,11 @@ class YawPlane:
 
     def wheel_speeds(self, state: Vector, steer_angle: PerWheel) -> PerWheel:
         """Return the speeds over ground along the wheels, over the radius; see `BodyModel`."""
-        velocities, radius = wheel_velocities(Twist(*state[:3].tolist()), self._vehicle), self._vehicle.wheel_radius
+        vx, vy, r = state[:3].tolist()
+        radius, places = self._vehicle.wheel_radius, zip(self._vehicle.wheel_x, self._vehicle.wheel_y, strict=True)
         return as_four([
-            (math.cos(angle) * ahead + math.sin(angle) * left) / radius
-            for angle, (ahead, left) in zip(steer_angle, velocities, strict=True)
+            (math.cos(angle) * (vx - y * r) + math.sin(angle) * (vy + x * r)) / radius
+            for angle, (x, y) in zip(steer_angle, places, strict=True)
         ])
 
     def locked(self, state: Vector, wheels: Collection[int]) -> Vector:

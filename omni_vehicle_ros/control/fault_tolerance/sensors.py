@@ -190,8 +190,9 @@ class SensorMonitor:
         if not all(map(math.isfinite, slips)):
             return {Sensor.SIDE_SLIP: 'has no number'}
         before = self._before.sensed.side_slip if self._before else slips
-        if any(abs(now - then) > SLIP_STEP for now, then in zip(slips, before, strict=True)):
-            return {Sensor.SIDE_SLIP: f'jumps by more than {SLIP_STEP:g} rad in a cycle'}
+        for now, then in zip(slips, before, strict=True):
+            if abs(now - then) > SLIP_STEP:
+                return {Sensor.SIDE_SLIP: f'jumps by more than {SLIP_STEP:g} rad in a cycle'}
         return {}
 
     def _stands_still(self, seen: Seen) -> bool:
