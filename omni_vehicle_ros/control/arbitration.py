@@ -20,7 +20,7 @@ class Source(Enum):
         self.topic = topic
         self.priority = priority
 
-    # Thrice as fast as that of Enum, which is written in Python.
+    # That of Enum is written in Python, and takes five times as long.
     __hash__ = object.__hash__
 
     @property
