@@ -139,6 +139,23 @@ def test_the_path_is_better_kept_with_the_reaction(fault: tuple) -> None:
     assert path_error(with_it, reference) < 0.7 * path_error(without, reference)
 
 
+@pytest.mark.parametrize('at', [0.5, 2.0])
+@pytest.mark.parametrize('wheel', ['front_left', 'rear_right'])
+def test_a_wheel_that_castors_leads_nobody(wheel: str, at: float) -> None:
+    """It goes where the vehicle goes, and the path is no worse than if nobody had seen it, to a few centimetres."""
+    scenario, reference = slalom((at, f'{wheel}/steering', 'off')), reference_path()
+    with_it, without = places(drive(scenario)), places(drive(without_reaction(scenario)))
+    assert path_error(with_it, reference) < path_error(without, reference) + 0.05
+
+
+def test_a_vehicle_that_cannot_be_steered_stops() -> None:
+    """Front left held, rear right held: their lines meet on the left, and the driver wants to the right."""
+    scenario = load_scenario('faults/messages_nan')
+    outputs = drive(scenario)
+    assert any('the vehicle stops' in text for _, text in said(outputs))
+    assert speed_at_the_end(outputs) < 0.05
+
+
 @pytest.mark.parametrize('faults', [
     [(2.0, 'front_left/module', 'off'), (2.5, 'rear_right/module', 'off')],
     [(2.0, 'rear_left/brake', 'stuck')],

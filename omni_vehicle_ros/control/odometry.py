@@ -10,7 +10,7 @@ import math
 from omni_vehicle_ros.control.motion import Motion, length_scale
 from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
 from omni_vehicle_ros.parameters import VehicleParameters
-from omni_vehicle_ros.wheels import PerWheel
+from omni_vehicle_ros.wheels import PerWheel, per_wheel
 
 # Weight of the command beside one wheel. Of what lies across the wheels little is seen by those that are turned
 # little; without this weight, one wheel that runs unlike the others would be taken for a motion several times as
@@ -69,6 +69,38 @@ def measured_twist(
         (cy * bx + dy * by + dr * br) / determinant,
         (cr * bx + dr * by + er * br) / determinant / length,
     )
+
+
+def rolling_twist(speeds: PerWheel, steer_angles: PerWheel, vehicle: VehicleParameters, weights: PerWheel) -> Twist:
+    """Return the motion that fits wheels best that roll where they point, by least squares.
+
+    Wheels that are nearly parallel tell little of what lies across them by their speeds. That they slip little to the
+    side, a few hundredths of a radian, tells more.
+
+    Parameters
+    ----------
+    speeds
+        Measured speeds of the wheels over ground along their headings [m/s].
+    steer_angles
+        Measured [rad].
+    vehicle
+        Positions of the wheels.
+    weights
+        How much each wheel counts; two or more have to.
+    """
+    # The velocity of a wheel is its speed along its heading: (vx - y r, vy + x r). Both parts count alike, so that
+    # the sums have no angles in them but in the velocities.
+    x, y = vehicle.wheel_x, vehicle.wheel_y
+    ahead = per_wheel(lambda i: speeds[i] * math.cos(steer_angles[i]))
+    left = per_wheel(lambda i: speeds[i] * math.sin(steer_angles[i]))
+
+    def mean(numbers: PerWheel) -> float:
+        return sum(w * number for w, number in zip(weights, numbers, strict=True)) / sum(weights)
+
+    mx, my, vx, vy = mean(x), mean(y), mean(ahead), mean(left)
+    square = mean(per_wheel(lambda i: (x[i] - mx) ** 2 + (y[i] - my) ** 2))
+    r = mean(per_wheel(lambda i: (x[i] - mx) * left[i] - (y[i] - my) * ahead[i])) / square
+    return Twist(vx + my * r, vy - mx * r, r)
 
 
 def magnitude_along(twist: Twist, motion: Motion, vehicle: VehicleParameters) -> float:

@@ -2,12 +2,13 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from omni_vehicle_ros.control.motion import STRAIGHT, Motion, length_scale, motion_of_icr, twist_of_motion
-from omni_vehicle_ros.control.odometry import magnitude_along, measured_twist, sideways_speed
+from omni_vehicle_ros.control.odometry import magnitude_along, measured_twist, rolling_twist, sideways_speed
 from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
 from omni_vehicle_ros.parameters import VehicleParameters
 from omni_vehicle_ros.wheels import per_wheel
@@ -94,3 +95,28 @@ def test_no_angles_are_singular(speeds, angles, x, y):
     )
     size = 1e-6 * (1.0 + max(map(abs, twist)))
     assert mirrored == pytest.approx((twist.vx, -twist.vy, -twist.r), abs=size)
+
+
+weights = st.sampled_from([(1.0, 1.0, 1.0, 1.0), (0.0, 1.0, 1.0, 1.0), (1.0, 0.0, 1.0, 0.0), (0.0, 1.0, 0.0, 1.0)])
+steers = st.tuples(*[st.floats(-0.5, 0.5)] * 4)
+
+
+@settings(deadline=None)
+@given(st.floats(-8.0, 8.0), st.floats(-8.0, 8.0), st.floats(-2.0, 2.0), weights)
+def test_wheels_that_roll_where_they_point_tell_the_motion_without_knowing_what_was_commanded(vx, vy, r, weights):
+    twist = Twist(vx, vy, r)
+    angles = headings(twist)
+    assert rolling_twist(rolling(twist, angles), angles, VEHICLE, weights) == pytest.approx(twist, abs=1e-9)
+
+
+@settings(deadline=None)
+@given(steers, st.tuples(*[st.floats(-8.0, 8.0)] * 4), weights)
+def test_wheels_that_slip_tell_the_motion_of_least_squares_along_and_across(angles, speeds, weights):
+    rows, told = [], []
+    for x, y, angle, speed, weight in zip(VEHICLE.wheel_x, VEHICLE.wheel_y, angles, speeds, weights, strict=True):
+        cos, sin = math.cos(angle), math.sin(angle)
+        rows += [(weight * cos, weight * sin, weight * (x * sin - y * cos))]
+        rows += [(-weight * sin, weight * cos, weight * (x * cos + y * sin))]
+        told += [weight * speed, 0.0]
+    expected = np.linalg.lstsq(np.array(rows), np.array(told), rcond=None)[0]
+    assert rolling_twist(speeds, angles, VEHICLE, weights) == pytest.approx(expected, abs=1e-9)

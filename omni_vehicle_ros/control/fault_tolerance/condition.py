@@ -17,6 +17,7 @@ class SteerFault(Enum):
     OFFSET = 'is off'
     FREE = 'swings freely'
     UNKNOWN = 'does not follow'
+    DRIFTING = 'does not follow but drifts with the vehicle'
     ERRATIC = 'goes its own ways'
 
 
@@ -28,6 +29,10 @@ class DriveFault(Enum):
     STUCK = 'is stuck'
     WRONG = 'does not follow'
     LOCKED = 'is locked'
+
+
+# With these a wheel is told otherwise, or swings where the vehicle goes; the ICR need not be where it points.
+_NOT_HELD = {SteerFault.NONE, SteerFault.OFFSET, SteerFault.FREE, SteerFault.DRIFTING}
 
 
 class WheelCondition(NamedTuple):
@@ -53,7 +58,7 @@ class WheelCondition(NamedTuple):
     @property
     def holds_icr(self) -> bool:
         """Whether the ICR has to be where the wheel points: it does not turn as told, nor can it be told otherwise."""
-        return self.silent or self.steer not in (SteerFault.NONE, SteerFault.OFFSET, SteerFault.FREE)
+        return self.silent or self.steer not in _NOT_HELD
 
     @property
     def pulls_otherwise(self) -> bool:

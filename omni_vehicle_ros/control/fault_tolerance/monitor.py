@@ -11,7 +11,7 @@ from omni_vehicle_ros.control.fault_tolerance.word_check import SETTLING
 from omni_vehicle_ros.control.freshness import NANOSECONDS
 from omni_vehicle_ros.control.health import ERROR, WARN, Note
 from omni_vehicle_ros.control.motion import motion_of_twist
-from omni_vehicle_ros.control.odometry import measured_twist
+from omni_vehicle_ros.control.odometry import measured_twist, rolling_twist
 from omni_vehicle_ros.control.wheel_module import Trim
 from omni_vehicle_ros.model.kinematics import Twist, wheel_velocities
 from omni_vehicle_ros.parameters import VehicleParameters, WheelModuleParameters
@@ -159,8 +159,12 @@ class _Ground:
         return ahead * math.cos(self._angles[wheel]) + left * math.sin(self._angles[wheel])
 
     def direction(self, wheel: int) -> float | None:
-        """Return in which direction a wheel moves [rad]; None if it hardly moves."""
-        ahead, left = self._velocity(wheel)
+        """Return in which direction a wheel moves [rad], as the others that roll tell it; None if it hardly moves."""
+        weights = per_wheel(lambda i: float(self._rolling[i] and i != wheel))
+        if sum(weights) < 2.0:
+            return None
+        twist = rolling_twist(self.speed, self._angles, self._vehicle, weights)
+        ahead, left = wheel_velocities(twist, self._vehicle)[wheel]
         return math.atan2(left, ahead) if math.hypot(ahead, left) > _SLOWEST else None
 
     def _velocity(self, wheel: int) -> tuple[float, float]:

@@ -33,10 +33,13 @@ _AWAY = 20
 # Less than this is no motion [rad].
 _MOTION = 0.01
 
-# A wheel that swings freely stays that near to the direction in which it moves [rad].
-_SWINGING = 0.1
+# A wheel that turns away by as much in the window drifts with the vehicle, maybe; one that is driven goes faster [rad].
+_DRIFT = 0.005, 0.03
 
-# A share of what is compared that is little.
+# A wheel that swings freely stays that near to the direction in which it moves [rad].
+_SWINGING = 0.06
+
+# A share of what is told that is little.
 _LITTLE = 0.3
 
 
@@ -81,7 +84,8 @@ class SteeringCheck:
     -----
     The angle is right if it is within `ANGLE_TOLERANCE` of what was expected in one of the last ``late`` cycles
     or between two of them. How it fails is told by what moves, the wheel or what is expected of it, in most of the
-    latest cycles in which it was wrong, after some in which it settles.
+    latest cycles in which it was wrong, after some in which it settles. Until then a wheel that drifts with the
+    vehicle is told from others: who turns about its axle line goes where it goes, and it goes where the vehicle does.
     """
 
     def __init__(self, late: int = LATENESS) -> None:
@@ -94,7 +98,7 @@ class SteeringCheck:
         self._expected: deque[float] = deque(maxlen=late + 1)
         self._seen: deque[tuple[float, float]] = deque(maxlen=_WINDOW)
         self._votes: deque[SteerFault] = deque(maxlen=_JURY)
-        self._right = 0.0
+        self._right = self._strayed = 0.0
         self._age = 0
 
     def update(self, measured: float, expected: float, direction: Callable[[], float | None]) -> SteerFault:
@@ -111,17 +115,18 @@ class SteeringCheck:
         self._seen.append((measured, expected))
         wrong = not fits(measured, self._expected, ANGLE_TOLERANCE)
         if not wrong and not self._debounce.on:
-            self._right = measured
+            self._right, self._strayed = measured, 0.0
             self._age = 0
             self._votes.clear()
         if wrong:
             self._age += 1
+            self._strayed = max(self._strayed, abs(measured - self._right))
             if self._age > _SETTLING:
                 self._votes.append(self._kind(measured, expected, direction()))
         if not self._debounce.update(wrong):
             self.fault = SteerFault.NONE
         elif wrong:
-            self._name(measured)
+            self._name(measured, expected, direction)
         self.offset = self._mean_error() if self.fault is SteerFault.OFFSET else 0.0
         return self.fault
 
@@ -132,11 +137,12 @@ class SteeringCheck:
     def _errors(self) -> list[float]:
         return [measured - expected for measured, expected in self._seen]
 
-    def _name(self, measured: float) -> None:
+    def _name(self, measured: float, expected: float, direction: Callable[[], float | None]) -> None:
         """Name the fault: at first as any, and by its kind when it has been seen long enough."""
         kind = self.fault
         if kind is SteerFault.NONE:
-            kind = SteerFault.UNKNOWN
+            drifts = self._drifts(measured, expected) and _along(measured, direction(), ANGLE_TOLERANCE)
+            kind = SteerFault.DRIFTING if drifts else SteerFault.UNKNOWN
         elif len(self._votes) == _JURY and kind is not SteerFault.ERRATIC:
             votes = Counter(self._votes)
             most, count = votes.most_common(1)[0]
@@ -147,20 +153,33 @@ class SteeringCheck:
         if kind is not self.fault:
             self.fault, self.at = kind, measured
 
+    def _drifts(self, measured: float, expected: float) -> bool:
+        """Return whether the wheel turns slowly away from where it should point."""
+        moved = measured - self._seen[0][0]
+        return _DRIFT[0] < abs(moved) < _DRIFT[1] and moved * (expected - measured) < 0.0
+
     def _kind(self, measured: float, expected: float, direction: float | None) -> SteerFault:
         moved, told = (_range(numbers) for numbers in zip(*self._seen, strict=True))
-        error = abs(measured - expected)
-        near = max(_LITTLE * error, _SWINGING if self.fault is SteerFault.FREE else ANGLE_TOLERANCE)
-        if max(moved, told) < _MOTION and self.fault is not SteerFault.UNKNOWN:
+        near = _SWINGING if self.fault is SteerFault.FREE else ANGLE_TOLERANCE
+        if max(moved, told) < _MOTION and self.fault not in (SteerFault.UNKNOWN, SteerFault.DRIFTING):
             return self.fault
-        if moved < max(_LITTLE * told, _MOTION) and abs(measured - self._right) < _LITTLE * error:
+        swings = _along(measured, direction, near)
+        if swings and self.fault is SteerFault.FREE:
+            return SteerFault.FREE
+        if self._strayed < _MOTION:
             return SteerFault.STUCK
         if _range(self._errors()) < max(_LITTLE * told, _MOTION):
             return SteerFault.OFFSET
-        if direction is not None and abs(math.remainder(measured - direction, math.pi)) < near:
+        if swings:
             return SteerFault.FREE
-        lags = (expected - measured) * (measured - self._seen[0][0]) > 0.0
-        return SteerFault.SLOW if lags else SteerFault.ERRATIC
+        if (expected - measured) * (measured - self._seen[0][0]) > 0.0:
+            return SteerFault.SLOW
+        return SteerFault.STUCK if moved < _MOTION else SteerFault.ERRATIC
+
+
+def _along(angle: float, direction: float | None, tolerance: float) -> bool:
+    """Return whether a wheel points where it moves, or the opposite way."""
+    return direction is not None and abs(math.remainder(angle - direction, math.pi)) < tolerance
 
 
 def _range(numbers: Iterable[float]) -> float:

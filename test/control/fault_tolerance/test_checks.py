@@ -86,6 +86,41 @@ def test_a_wheel_that_goes_by_its_motion_swings_freely():
     assert steering_kinds(sound[:300] + motion[300:], motion)[-1] is SteerFault.FREE
 
 
+def castoring(directions):
+    """Return the angles of a wheel that trails 0.1 m behind its axis at 4 m/s, from the first direction on."""
+    angle, angles = directions[0], []
+    for direction in directions:
+        angle += (direction - angle) * (1.0 - math.exp(-4.0 / 0.1 * PERIOD))
+        angles.append(angle)
+    return angles
+
+
+def test_a_wheel_that_swings_back_to_where_it_was_right_is_not_stuck_there():
+    """It comes back slowly, while its set-points go through it: it stands where they say, and does not follow."""
+    told = [0.05 * min(cycle / 40, 1.0) - 0.13 * min(max(cycle - 200, 0) / 60, 1.0) for cycle in range(700)]
+    told = [angle + 0.08 * min(max(cycle - 500, 0) / 100, 1.0) for cycle, angle in enumerate(told)]
+    motion = [-0.08 * math.sin(math.pi * min(cycle / 560, 1.0)) for cycle in range(700)]
+    check, found = SteeringCheck(), []
+    for measured, expected, direction in zip(castoring(motion), told, motion, strict=True):
+        found.append(check.update(measured, expected, partial(lambda value: value, direction + 0.02)))
+    assert SteerFault.FREE in found
+    assert SteerFault.STUCK not in found
+
+
+@pytest.mark.parametrize(('way', 'kind'), [
+    (lambda cycle: -0.02 * (1.0 - math.exp(-cycle / 5)), SteerFault.DRIFTING),
+    (lambda cycle: 0.0, SteerFault.UNKNOWN),
+    (lambda cycle: -0.1 * min(cycle / 7, 1.0), SteerFault.UNKNOWN),
+])  # fmt: skip
+def test_what_drifts_with_the_vehicle_is_told_at_once_from_what_stands_or_is_driven(way, kind):
+    """At 0.02 rad, and told to turn on; the place of the wheel moves straight ahead."""
+    check, found = SteeringCheck(), []
+    for cycle in range(-20, 60):
+        turned = max(cycle, 0)
+        found.append(check.update(0.02 + way(turned), 0.02 + 0.001 * turned, lambda: 0.0))
+    assert next(fault for fault in found if fault is not SteerFault.NONE) is kind
+
+
 def test_a_wheel_turned_away_is_out_of_control():
     sound = actuator()
     wild = [0.4 * math.sin(14.5 * cycle * PERIOD) * math.sin(1.7 * cycle * PERIOD) for cycle in range(1000)]
