@@ -191,6 +191,13 @@ def test_joint_states_that_are_all_scaled_are_named_and_no_wheel_is(reacts: bool
     assert not any(word in text for text in found for word in ('does not follow', 'is locked', 'is slow'))
 
 
+@pytest.mark.parametrize('factor', [-3.0, 0.5, 1.5])
+def test_side_slip_control_blames_no_other_sensor_for_joint_states_that_are_scaled(factor: float) -> None:
+    outputs = drive(lane_change((2.0, 'joint_states', 'wrong', factor)))
+    texts = [text for _, text in said(outputs, [SIDE_SLIP_CONTROLLER])]
+    assert texts and all(text.startswith("joint_states can't be believed") for text in texts)
+
+
 def test_a_drive_that_fails_while_joint_states_repeat_themselves_is_named() -> None:
     outputs = drive(lane_change((2.0, 'joint_states', 'stuck'), (2.2, 'rear_left/drive', 'garbage', 2000.0)))
     when = next(when for when, text in said(outputs) if 'rear_left drive' in text)

@@ -108,8 +108,9 @@ class SideSlipController:
             return self._trims
         silent = [topic for topic, quiet in self._quiet.items() if quiet > SILENCE]
         self._quiet = {topic: quiet + dt for topic, quiet in self._quiet.items()}
-        blind = self._joint_check.update(stamp, None if self._blind else self._measured)
         seen = Seen(Sensed(**self._sensed), **self._beside)
+        contradicted = self._monitor.contradicts_joints(seen)
+        blind = self._joint_check.update(stamp, None if self._blind else self._measured, contradicted=contradicted)
         sensed = self._monitor.update(seen, silent, blind=blind)
         if self._reacts:
             self._trims = self._monitor.fade(self._law.update(stamp, sensed), dt)

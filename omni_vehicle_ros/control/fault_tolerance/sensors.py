@@ -1,9 +1,9 @@
 """Whether the sensors of the side-slip controller agree, and what stands in for one that does not.
 
 The yaw rate is measured three times, by odometry, by the IMU and by the wheels, so that the one that disagrees with
-the other two is at fault. Speed is measured by odometry and by the wheels, side slip by its sensor and by odometry
-with the steer angles. A sensor that repeats itself is seen when the others change, odometry by its position as soon as
-the wheels roll.
+the other two is at fault. So are the speeds of the wheels, by odometry, joint_states and the sensor of side slip. Its
+slips are compared with odometry and the steer angles: which of these is wrong nobody knows, and it is taken for the
+one. A sensor that repeats itself is seen when the others change, odometry by its position as soon as the wheels roll.
 """
 
 import math
@@ -130,6 +130,19 @@ class SensorMonitor:
         self._before = seen
         return self._stand_in(seen)
 
+    def contradicts_joints(self, seen: Seen) -> bool:
+        """Return whether odometry and the sensor of side slip say of most wheels another speed than joint_states.
+
+        Parameters
+        ----------
+        seen
+            What the sensors say.
+        """
+        wrong = 0
+        for told, along, rolling in zip(seen.sensed.wheel_speed, self._along(seen), seen.rolling, strict=True):
+            wrong += abs(told - rolling) > SPEED_TOLERANCE and abs(told - along) < abs(rolling - along)
+        return wrong > 2
+
     @property
     def notes(self) -> list[Note]:
         """What is wrong."""
@@ -182,7 +195,7 @@ class SensorMonitor:
         elif self._another_speed(seen):
             wrong[Sensor.ODOM] = f'has another speed than the wheels, by more than {SPEED_TOLERANCE:g} m/s'
         elif Sensor.ODOM not in wrong and not self._debounce[Sensor.ODOM].on and self._another_slip(seen):
-            wrong[Sensor.SIDE_SLIP] = f'does not fit the motion, by more than {SLIP_TOLERANCE:g} rad'
+            wrong[Sensor.SIDE_SLIP] = f'does not fit odom and joint_states, by more than {SLIP_TOLERANCE:g} rad'
         return wrong
 
     def _alone(self, slips: PerWheel) -> dict[Sensor, str]:
@@ -204,14 +217,15 @@ class SensorMonitor:
 
         Wheels that drive or brake may spin or lock on ice, and tell nothing.
         """
-        velocities, angles = wheel_velocities(seen.sensed.twist, self._vehicle), seen.sensed.steer_angle
         wrong = 0
-        for (ahead, left), angle, speed, torque in zip(
-            velocities, angles, seen.rolling, seen.sensed.drive_torque, strict=True
-        ):
-            along = ahead * math.cos(angle) + left * math.sin(angle)
+        for along, speed, torque in zip(self._along(seen), seen.rolling, seen.sensed.drive_torque, strict=True):
             wrong += abs(torque) < _FREE and abs(along - speed) > SPEED_TOLERANCE + SPEED_SHARE * abs(speed)
         return wrong > 2
+
+    def _along(self, seen: Seen) -> PerWheel:
+        """Return how fast the places of the wheels move along these, by odometry [m/s]."""
+        velocities, angles = wheel_velocities(seen.sensed.twist, self._vehicle), seen.sensed.steer_angle
+        return per_wheel(lambda i: velocities[i][0] * math.cos(angles[i]) + velocities[i][1] * math.sin(angles[i]))
 
     def _another_slip(self, seen: Seen) -> bool:
         sensed = seen.sensed

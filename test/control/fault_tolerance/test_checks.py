@@ -223,6 +223,21 @@ def test_the_one_that_lies_is_named_and_another_stands_in(lie, liar):
     assert believed.lateral_acceleration == pytest.approx(truth.lateral_acceleration)
 
 
+@pytest.mark.parametrize('factor', [-3.0, 0.5, 1.2, 2.0])
+def test_of_three_that_tell_the_speeds_of_the_wheels_joint_states_are_at_fault_if_the_others_agree(factor):
+    monitor, true = SensorMonitor(VEHICLE), sensors(0)
+    others = [
+        true,
+        sensors(0, twist=Twist(*(factor * number for number in TURNING))),
+        sensors(0, wheel_speed=tuple(factor * speed for speed in true.rolling)),
+        sensors(0, wheel_speed=(math.nan,) * 4),
+    ]
+    assert not any(monitor.contradicts_joints(seen) for seen in others)
+    assert monitor.contradicts_joints(true._replace(rolling=tuple(factor * speed for speed in true.rolling)))
+    spinning = tuple(3.0 * speed for speed in true.rolling)
+    assert not monitor.contradicts_joints(sensors(0, wheel_speed=spinning)._replace(rolling=spinning))
+
+
 def test_with_two_faulty_sensors_the_trims_fade_without_a_step_and_come_back():
     monitor, trims = SensorMonitor(VEHICLE), Trims((0.2,) * 4, (100.0,) * 4)
     given = []
