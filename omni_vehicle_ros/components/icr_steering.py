@@ -10,7 +10,7 @@ from omni_vehicle_ros.control.fault_tolerance.joint_check import JointCheck
 from omni_vehicle_ros.control.fault_tolerance.joint_check import Joints as Measurement
 from omni_vehicle_ros.control.fault_tolerance.monitor import Heard, Measured, ModuleMonitor
 from omni_vehicle_ros.control.fault_tolerance.word_check import Word, WordCheck
-from omni_vehicle_ros.control.icr_steering import STILL, Setpoints
+from omni_vehicle_ros.control.icr_steering import LONGEST_STEP, STILL, Setpoints
 from omni_vehicle_ros.control.icr_steering import IcrSteering as Law
 from omni_vehicle_ros.control.wheel_module import Trim
 from omni_vehicle_ros.messages import Flag, Joints, Point, Twist, Value, Wrench
@@ -131,7 +131,7 @@ class IcrSteering:
         gap = stamp - self._watched if self._begun is not None else 0
         setpoints = self._setpoints = self._steer(stamp)
         state = self._law.status.with_notes(*self._monitor.notes)
-        if gap > self._longest_gap:
+        if self._longest_gap < gap <= LONGEST_STEP * self._period * NANOSECONDS:
             state = state.with_notes((WARN, _JUMPED.format(gap / NANOSECONDS, self._period)))
         if self._lacking:
             state = state.with_notes((ERROR, 'joint_states lacks joints or is not finite; the last one is kept'))

@@ -66,8 +66,9 @@ _REST = 0.01
 # No vehicle is faster [m/s]; keeps the sums below finite.
 _FASTEST = 1e3
 
-# A longer gap between two cycles counts as so many periods, and the speed starts anew from what is measured.
-_LONGEST_STEP = 20
+LONGEST_STEP = 20
+"""A longer gap between two cycles counts as so many periods, and the speed starts anew from what is measured."""
+
 _ZERO: PerWheel = (0.0, 0.0, 0.0, 0.0)
 STILL = Twist(0.0, 0.0, 0.0)
 
@@ -183,10 +184,10 @@ class IcrSteering:
         if back:
             self._start()
         dt = self._period if self._now is None else (now - self._now) / NANOSECONDS
-        ahead = dt > _LONGEST_STEP * self._period
+        ahead = dt > LONGEST_STEP * self._period
         if ahead:
             self._speed_controller.reset()
-            self._magnitude, dt = None, _LONGEST_STEP * self._period
+            self._magnitude, dt = None, LONGEST_STEP * self._period
         self._now = now
         self._measure(steer_angles, wheel_speeds)
         if back or ahead:
