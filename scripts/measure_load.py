@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Measure a part of docs/load.md and write its figures: ``measure_load.py processes|one-process|floods|huge|hour``."""
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -15,6 +16,7 @@ from omni_vehicle_ros.bench.long_drive import LongDrive
 from omni_vehicle_ros.bench.long_drive import drive as drive_long
 from omni_vehicle_ros.errors import RunError
 from omni_vehicle_ros.interface import DRIVER, ICR_STEERING, NODES, RECORDER
+from omni_vehicle_ros.network import DISCOVERY_RANGE
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / 'docs' / 'load.md'
@@ -40,6 +42,8 @@ def table(head: str, rows: Iterable[Iterable[object]]) -> str:
 
 def fleets(one_process: bool) -> str:
     """Drive fleets one after the other; return their table."""
+    if not one_process:  # by LOCALHOST no more than 32 processes of a machine find each other
+        os.environ.setdefault(DISCOVERY_RANGE, 'SUBNET')
     rows = []
     for count in FLEETS:
         try:

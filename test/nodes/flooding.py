@@ -5,6 +5,9 @@
 ``flooding.py garbage SECONDS``: on every topic of the wiring table its own type with random content,
 which hypothesis makes.
 
+``flooding.py siege RATE SECONDS``: ``commands``, and between them garbage of at most 64 KiB a message; then says how
+many messages that were, and how many bytes at least. It stays, and does it again, with other garbage, at each SIGUSR1.
+
 ``flooding.py strangers``: every installed type of common_interfaces on one of the topics of the vehicle, with random
 content.
 
@@ -12,14 +15,17 @@ content.
 
 ``flooding.py drive SECONDS``: a sane driver, until the vehicle obeys; says how fast it goes.
 
-Each says in the end how many messages were sent, and how many a second.
+Each but ``siege`` says in the end how many messages were sent, and how many a second.
 """
 
 import importlib
 import math
 import os
+import random
 import re
+import signal
 import sys
+import threading
 import time
 from array import array
 from collections.abc import Callable, Iterable
@@ -50,9 +56,13 @@ PACKAGES = (
 ROUND = 100
 """Examples that hypothesis makes at a time."""
 
+LONGEST = 1 << 16
+"""Fast DDS takes longer messages to pieces [byte]."""
 LARGEST = 10_000_000 // 8
 MOST = 20
 """Elements of the arrays of arrays."""
+
+Said = tuple[Publisher, bytes]
 
 INTEGERS = {f'{sign}int{bits}': (sign, bits) for sign in ('', 'u') for bits in (8, 16, 32, 64)}
 
@@ -126,6 +136,11 @@ def wild(strategy: st.SearchStrategy[Any], use: Callable[[Any], None], examples:
 
 def commands(node: Node, rate: str, seconds: str) -> int:
     """Publish sane commands, far too many of them."""
+    return pour(sane_commands(node), [], int(rate), float(seconds))
+
+
+def sane_commands(node: Node) -> list[Said]:
+    """Return commands to drive, with their publishers, when somebody listens to each."""
     forward, centre = TwistStamped(), PointStamped()
     forward.header.frame_id = centre.header.frame_id = 'base_link'
     forward.twist.linear.x, centre.point.y = 2.0, 8.0
@@ -134,13 +149,41 @@ def commands(node: Node, rate: str, seconds: str) -> int:
         for topic, said in (('driver/icr', centre), ('driver/speed', forward), ('cmd_vel', forward))
     ]
     await_matched(publisher for publisher, _ in pairs)
-    begin, sent = time.monotonic(), 0
-    while (now := time.monotonic() - begin) < float(seconds):
-        for sent in range(sent, int(now * int(rate))):  # noqa: B020
+    return pairs
+
+
+def pour(pairs: list[Said], beside: list[Said], rate: int, seconds: float) -> int:
+    """Publish some in turn, so many a second, and others once in that time; return how many that were."""
+    begin, sent, thrown = time.monotonic(), 0, 0
+    while (now := time.monotonic() - begin) < seconds:
+        while sent < now * rate:
             publisher, data = pairs[sent % len(pairs)]
             publisher.publish(data)
+            sent += 1
+        while thrown < now / seconds * len(beside):
+            publisher, data = beside[thrown]
+            publisher.publish(data)
+            thrown += 1
         time.sleep(0.001)
-    return sent
+    return sent + thrown
+
+
+def siege(node: Node, rate: str, seconds: str) -> int:
+    """Publish commands and garbage at once, again and again."""
+    again = threading.Event()
+    signal.signal(signal.SIGUSR1, lambda number, frame: again.set())
+    pairs = sane_commands(node)
+    publishers = [(node.create_publisher(message_class(row.type), row.name, 10), row.type) for row in TOPICS]
+    while True:
+        beside: list[Said] = []
+        for publisher, type_name in publishers:
+            beside += [(publisher, data) for data in random_bytes(type_name) if len(data) <= LONGEST]
+        random.shuffle(beside)
+        sent = pour(pairs, beside, int(rate), float(seconds))
+        size = sum(len(data) for _, data in beside) + (sent - len(beside)) * min(len(data) for _, data in pairs)
+        print('flooded', sent, size, flush=True)
+        again.wait()
+        again.clear()
 
 
 def garbage(node: Node, seconds: str) -> int:
@@ -154,6 +197,17 @@ def garbage(node: Node, seconds: str) -> int:
             wild(whole, publisher.publish, examples=5)
             sent += 5
     return sent
+
+
+def random_bytes(type_name: str) -> list[bytes]:
+    """Return random messages of a type."""
+    found = []
+
+    def keep(value: Any) -> None:
+        found.append(serialize_message(value))
+
+    wild(message(message_class(type_name)), keep, examples=10)
+    return found
 
 
 def installed_types() -> list[str]:
@@ -212,6 +266,7 @@ def drive(node: Node, seconds: str) -> int:
     centre, forward = PointStamped(), TwistStamped()
     centre.header.frame_id = forward.header.frame_id = 'base_link'
     centre.point.y = 8.0
+    await_matched((icr, speed, stop))
     sent, end, stood = 0, time.monotonic() + float(seconds), False
     while time.monotonic() < end:
         until = time.monotonic() + 0.05
@@ -245,7 +300,9 @@ def await_matched(publishers: Iterable[Publisher]) -> None:
 if __name__ == '__main__':
     os.environ.setdefault('AMENT_PREFIX_PATH', sys.prefix)  # where the wheels put what they share
     rclpy.init()
-    parts = {'commands': commands, 'garbage': garbage, 'strangers': strangers, 'huge': huge, 'drive': drive}
+    parts = {
+        'commands': commands, 'garbage': garbage, 'siege': siege, 'strangers': strangers, 'huge': huge, 'drive': drive,
+    }
     begin = time.monotonic()
     sent = parts[sys.argv[1]](Node(f'test_{sys.argv[1]}'), *sys.argv[2:])
     print('sent', sent, round(sent / (time.monotonic() - begin)), flush=True)
