@@ -206,7 +206,7 @@ def random_bytes(type_name: str) -> list[bytes]:
     def keep(value: Any) -> None:
         found.append(serialize_message(value))
 
-    wild(message(message_class(type_name)), keep, examples=10)
+    wild(message(message_class(type_name)), keep, examples=5)
     return found
 
 

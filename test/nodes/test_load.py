@@ -23,7 +23,7 @@ pytestmark = pytest.mark.graph
 FLOODING = str(Path(__file__).with_name('flooding.py'))
 ROLES = tuple(role for role in NODES if role != DRIVER)
 PERIOD = 0.05
-RATE, SECONDS = 10_000, 4.0
+RATE, SECONDS = 10_000, 3.0
 SAYS = 3.0
 """More than from one look at missed cycles to the next one [s]."""
 MISSED = re.compile(r'(\d+) of \d+ cycles of .* were missed')
