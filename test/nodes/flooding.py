@@ -6,7 +6,7 @@
 which hypothesis makes.
 
 ``flooding.py siege RATE SECONDS``: ``commands``, and between them garbage of at most 64 KiB a message; then says how
-many messages that were, and how many bytes at least. It stays, and does it again, with other garbage, at each SIGUSR1.
+many messages that were. It stays, and does it again, with other garbage, at each SIGUSR1.
 
 ``flooding.py strangers``: every installed type of common_interfaces on one of the topics of the vehicle, with random
 content.
@@ -179,9 +179,7 @@ def siege(node: Node, rate: str, seconds: str) -> int:
         for publisher, type_name in publishers:
             beside += [(publisher, data) for data in random_bytes(type_name) if len(data) <= LONGEST]
         random.shuffle(beside)
-        sent = pour(pairs, beside, int(rate), float(seconds))
-        size = sum(len(data) for _, data in beside) + (sent - len(beside)) * min(len(data) for _, data in pairs)
-        print('flooded', sent, size, flush=True)
+        print('flooded', pour(pairs, beside, int(rate), float(seconds)), flush=True)
         again.wait()
         again.clear()
 
