@@ -33,6 +33,8 @@ RESOLUTION = 0.001
 """Distance of the points of the path that others are held against [m]."""
 NUMBERS = re.compile(r': |, (?=[-\d]|at )')
 """Where in a diagnostic values and consequences begin."""
+COUNT = re.compile(r'^\d+ of \d+ ')
+"""How a diagnostic that counts begins."""
 LAP = 30.0
 """More than the vehicle takes to come round [s]."""
 
@@ -172,7 +174,7 @@ def complaints(said: Iterable[Status]) -> tuple[str, ...]:
     found: defaultdict[str, set[str]] = defaultdict(set)
     for status in said:
         for note in status.message.split('; ') if status.level > OK else ():
-            text = f'{status.name[1:]}: {NUMBERS.split(note)[0]}'
+            text = f'{status.name[1:]}: {COUNT.sub("", NUMBERS.split(note)[0])}'
             wheels = [wheel for wheel in WHEELS if wheel in text]
             for wheel in wheels:
                 text = text.replace(wheel, '<wheel>')

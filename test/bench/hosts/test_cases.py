@@ -25,6 +25,11 @@ def test_what_is_wrong_is_named_once_with_its_wheel_if_it_is_but_one() -> None:
         '<wheel>/wheel_module: <wheel>/trim comes twice',
         'front_right/wheel_module: no command for module_timeout',
     )
+    late = [
+        Status(1, '/plant: punctuality', f'{missed} of 201 cycles of 5 ms were missed in the last second')
+        for missed in (17, 3)
+    ]
+    assert complaints(late) == ('plant: punctuality: cycles of 5 ms were missed in the last second',)
     assert complaints([Status(2, '/plant', 'no answer from rear_left/state, rear_right/state: no torque')]) == (
         'plant: no answer from <wheel>/state',
     )
